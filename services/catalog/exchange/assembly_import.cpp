@@ -16,6 +16,7 @@
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/cad/step/step_reader.h"
+#include "common/resources/resource_tags.h"
 #include "services/catalog/exchange/drawn_coordinates.h"
 #include "services/catalog/exchange/item_fit.h"
 #include "services/catalog/exchange/part_annotations.h"
@@ -58,6 +59,7 @@ class Maker {
     drawn_.assembly.set_name(annotations_.name());
     drawn_.assembly.set_title(annotations_.title().empty() ? drawing_.name : annotations_.title());
     drawn_.assembly.set_description(annotations_.description());
+    resources::CopyTags(annotations_, &drawn_.assembly);
     MakeGroups();
     MeasureParts();
     for (std::size_t k = 0; k < kept_.size(); ++k) MakePart(k);

@@ -1,17 +1,17 @@
 #include "services/catalog/records/assembly_records.h"
 
-#include <google/protobuf/util/time_util.h>
-
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_join.h"
-#include "absl/time/time.h"
 #include "common/assembly/codec/assembly_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/files/template_codec.h"
+#include "common/resources/resource_filter.h"
+#include "services/catalog/records/bundle_records.h"
 #include "services/catalog/records/list_filter.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_page.h"
@@ -21,14 +21,7 @@
 namespace mortise::catalog {
 namespace {
 
-absl::StatusOr<v1::AssemblyBundle> BundleOf(const store::Record& record) {
-  v1::AssemblyBundle bundle;
-  if (!bundle.ParseFromString(record.payload)) {
-    return StorageFailed("assemblies/" + record.key, "the record cannot be read");
-  }
-  bundle.mutable_assembly()->set_revision(record.revision);
-  return bundle;
-}
+constexpr BundleKind kKind = {.names = kAssemblies, .name = "assembly"};
 
 // Whether the latest revision of a template exposes the assembly.
 bool Exposes(const store::Record& record, const std::string& assembly) {
@@ -41,22 +34,23 @@ bool Exposes(const store::Record& record, const std::string& assembly) {
 
 absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
                                                      const std::string& name, int64_t revision) {
-  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
-                           GetRecord(transaction, kAssemblies, name, revision));
-  return BundleOf(record);
+  return GetBundleOf<v1::AssemblyBundle>(transaction, kKind, name, revision);
 }
 
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
                                                   const v1::ListAssembliesRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  const auto filter = resources::ResourceFilter::Of(request);
   MORTISE_RETURN_IF_ERROR(Together(
       Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      resources::ReadPageQuery(request).status()));
+      Together(filter.status(), resources::ReadPageQuery(request).status())));
   return ReadPage<v1::Assembly>(
       transaction, kAssemblies, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
-        MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, BundleOf(record));
+        MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle,
+                                 BundleOf<v1::AssemblyBundle>(kKind, record));
         v1::Assembly& summary = *bundle.mutable_assembly();
+        if (!filter->Takes(summary)) return std::nullopt;
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
         if (!words->Takes(summary.name(), {summary.title(), summary.description()})) {
           return std::nullopt;
@@ -78,48 +72,23 @@ absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
       AddItems(transaction, items, *bundle.mutable_items(), *bundle.mutable_materials()));
   MORTISE_RETURN_IF_ERROR(
       AddShapes(transaction, message, bundle.items(), *bundle.mutable_shapes()));
-  bundle.mutable_assembly()->clear_revision();
-  bundle.mutable_assembly()->clear_create_time();
+  ClearWhatTheServiceSays(bundle.mutable_assembly());
   bundle.mutable_assembly()->set_digest(parametric::BundleDigest(bundle));
   return bundle;
 }
 
 absl::StatusOr<v1::Assembly> ImportBundle(store::Transaction& transaction,
                                           v1::AssemblyBundle bundle, int64_t expected_revision,
-                                          const std::string& trace_id) {
-  v1::Assembly& message = *bundle.mutable_assembly();
-  MORTISE_ASSIGN_OR_RETURN(const store::Record latest,
-                           GetRecordOrNone(transaction, kAssemblies, message.name(), "assembly"));
-  if (latest.revision != expected_revision) {
-    return StaleRevision(message.name(), expected_revision, latest.revision);
-  }
-  if (latest.revision > 0) {
-    MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle present, BundleOf(latest));
-    if (present.assembly().digest() == message.digest()) {
-      return std::move(*present.mutable_assembly());
-    }
-  }
+                                          const resources::Author& author) {
   for (const v1::Shape& shape : bundle.shapes()) {
     MORTISE_RETURN_IF_ERROR(PutShape(transaction, shape).status());
   }
-  bundle.clear_shapes();
-  *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
-      absl::ToUnixMicros(transaction.Now()));
-  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
-                           PutNext(transaction, kAssemblies, message.name(),
-                                   bundle.SerializeAsString(), expected_revision));
-  message.set_revision(revision);
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "assembly.imported", message.name(),
-                                      {{"title", message.title()},
-                                       {"revision", revision},
-                                       {"digest", message.digest()},
-                                       {"parts", message.parts_size()}},
-                                      trace_id));
-  return std::move(message);
+  return ImportRevision(transaction, kKind, std::move(bundle), expected_revision, author);
 }
 
 absl::Status DeleteAssembly(store::Transaction& transaction,
-                            const v1::DeleteAssemblyRequest& request, const std::string& trace_id) {
+                            const v1::DeleteAssemblyRequest& request,
+                            const resources::Author& author) {
   MORTISE_ASSIGN_OR_RETURN(const store::Record present,
                            GetRecord(transaction, kAssemblies, request.name()));
   if (present.revision != request.revision()) {
@@ -137,7 +106,7 @@ absl::Status DeleteAssembly(store::Transaction& transaction,
   MORTISE_RETURN_IF_ERROR(
       MarkDeleted(transaction, kAssemblies, request.name(), request.revision()));
   return AppendEvent(transaction, "assembly.deleted", request.name(),
-                     {{"revision", request.revision()}}, trace_id);
+                     {{"revision", request.revision()}}, author);
 }
 
 }  // namespace mortise::catalog

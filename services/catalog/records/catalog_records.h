@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/design/template_validation.h"
+#include "common/resources/author.h"
 #include "common/resources/record_page.h"
 #include "common/store/store.h"
 #include "common/templates/template_codec.h"
@@ -30,33 +31,33 @@ absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std:
                                  int64_t revision = 0);
 
 // In the order of names, only those that meet all of the request's filters. INVALID_ARGUMENT naming
-// page_size, page_token, text, or of items material.
+// page_size, page_token, text, fields of filter, or of items material.
 absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transaction,
                                                  const v1::ListMaterialsRequest& request);
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request);
 
-// What is wrong with an item, given the materials and shapes there are; fields are those of the
-// item.
+// What is wrong with an item and its tags, given the materials and shapes there are; fields are
+// those of the item.
 absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& transaction,
                                                       const v1::Item& item);
 
-// Writes a new record and tells of it ("material.created", "item.created"). ALREADY_EXISTS;
-// INVALID_ARGUMENT with what is wrong.
+// Writes a new record, created by the author, and tells of it ("material.created", "item.created").
+// ALREADY_EXISTS; INVALID_ARGUMENT with what is wrong.
 absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,
                                             const v1::Material& material,
-                                            const std::string& trace_id);
+                                            const resources::Author& author);
 absl::StatusOr<v1::Item> CreateItem(store::Transaction& transaction, const v1::Item& item,
-                                    const std::string& trace_id);
+                                    const resources::Author& author);
 
-// Writes the fields that the mask names, all if it is empty ("material.updated", "item.updated").
-// ABORTED if the revision in the request is not the present one.
+// Writes the fields that the mask names, all if it is empty ("material.updated", "item.updated");
+// who created it, and when, stays. ABORTED if the revision in the request is not the present one.
 absl::StatusOr<v1::Material> UpdateMaterial(store::Transaction& transaction,
                                             const v1::UpdateMaterialRequest& request,
-                                            const std::string& trace_id);
+                                            const resources::Author& author);
 absl::StatusOr<v1::Item> UpdateItem(store::Transaction& transaction,
                                     const v1::UpdateItemRequest& request,
-                                    const std::string& trace_id);
+                                    const resources::Author& author);
 
 // What became of a thing that takes the place of what is there under its name.
 struct Replacement {
@@ -65,25 +66,27 @@ struct Replacement {
 };
 
 // Creates a material or an item that has been checked, or makes it the next revision of what is
-// there and says something else. Tells of it as the methods above do.
+// there and says something else. What is there keeps its external ids and its labels where the
+// message has none. Tells of it as the methods above do.
 absl::StatusOr<Replacement> ReplaceMaterial(store::Transaction& transaction,
                                             const v1::Material& material,
-                                            const std::string& trace_id);
+                                            const resources::Author& author);
 absl::StatusOr<Replacement> ReplaceItem(store::Transaction& transaction, const v1::Item& item,
-                                        const std::string& trace_id);
+                                        const resources::Author& author);
 
-// What is wrong with a material; fields are those of the material. OK if nothing is.
+// What is wrong with a material and its tags; fields are those of the material. OK if nothing is.
 absl::Status CheckMaterial(const v1::Material& material);
 
 // Removes a material ("material.deleted"). ABORTED for another revision; FAILED_PRECONDITION,
 // MATERIAL_IN_USE, naming items that are made of it.
 absl::Status DeleteMaterial(store::Transaction& transaction,
-                            const v1::DeleteMaterialRequest& request, const std::string& trace_id);
+                            const v1::DeleteMaterialRequest& request,
+                            const resources::Author& author);
 
 // Removes an item ("item.deleted"). ABORTED for another revision; FAILED_PRECONDITION, ITEM_IN_USE,
 // naming the templates and assemblies whose latest revision uses it.
 absl::Status DeleteItem(store::Transaction& transaction, const v1::DeleteItemRequest& request,
-                        const std::string& trace_id);
+                        const resources::Author& author);
 
 // Adds those of the items named that exist, and their materials, in the order of names.
 absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::string>& names,
@@ -97,7 +100,8 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
                                              const std::string& name, int64_t revision);
 
 // Latest revisions without what they are made of, in the order of names; only those that meet all
-// of the request's filters. INVALID_ARGUMENT naming page_size, page_token, item or text.
+// of the request's filters. INVALID_ARGUMENT naming page_size, page_token, item, text or fields of
+// filter.
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
                                                  const v1::ListTemplatesRequest& request);
 
@@ -108,15 +112,17 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message);
 
 // Writes a completed bundle as the revision after `expected_revision` ("template.imported") and
-// returns the template. If the present revision has the same content, that is returned and nothing
-// changes. ABORTED if the latest revision is not `expected_revision`.
+// returns the template; the creator stays that of the revision before. If the present revision has
+// the same content and tags, that is returned and nothing changes. ABORTED if the latest revision
+// is not `expected_revision`.
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
-                                          const std::string& trace_id);
+                                          const resources::Author& author);
 
 // Removes a template ("template.deleted"); its revisions stay readable by number, for what was made
 // of them. NOT_FOUND; ABORTED for another revision.
 absl::Status DeleteTemplate(store::Transaction& transaction,
-                            const v1::DeleteTemplateRequest& request, const std::string& trace_id);
+                            const v1::DeleteTemplateRequest& request,
+                            const resources::Author& author);
 
 }  // namespace mortise::catalog

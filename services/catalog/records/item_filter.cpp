@@ -9,18 +9,22 @@ namespace mortise::catalog {
 absl::StatusOr<ItemFilter> ItemFilter::Create(store::ReadTransaction& transaction,
                                               const v1::ListItemsRequest& request) {
   absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
-  MORTISE_RETURN_IF_ERROR(Together(
-      CheckFilterName(transaction, kMaterials, request.material(), "material"), words.status()));
-  ItemFilter filter(*std::move(words));
-  filter.kind_ = request.kind();
-  filter.material_ = request.material();
-  return filter;
+  absl::StatusOr<resources::ResourceFilter> filter = resources::ResourceFilter::Of(request);
+  MORTISE_RETURN_IF_ERROR(
+      Together(Together(CheckFilterName(transaction, kMaterials, request.material(), "material"),
+                        words.status()),
+               filter.status()));
+  ItemFilter items(*std::move(words), *std::move(filter));
+  items.kind_ = request.kind();
+  items.material_ = request.material();
+  return items;
 }
 
 bool ItemFilter::Takes(const v1::Item& item) const {
   if (kind_ != v1::ITEM_KIND_UNSPECIFIED && item.kind() != kind_) return false;
   if (!material_.empty() && item.material() != material_) return false;
-  return words_.Takes(item.name(), {item.title(), item.standard(), item.designation()});
+  return filter_.Takes(item) &&
+         words_.Takes(item.name(), {item.title(), item.standard(), item.designation()});
 }
 
 }  // namespace mortise::catalog

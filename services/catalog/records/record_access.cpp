@@ -84,9 +84,9 @@ absl::Status MarkDeleted(store::Transaction& transaction, const char* kind, cons
 
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
                          const std::string& subject, const nlohmann::json& data,
-                         const std::string& trace_id) {
+                         const resources::Author& author) {
   return transaction.AppendEvent(
-      {.type = type, .subject = subject, .payload = data.dump(), .trace_id = trace_id});
+      {.type = type, .subject = subject, .payload = data.dump(), .trace_id = author.trace_id});
 }
 
 }  // namespace mortise::catalog

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/resources/author.h"
 #include "common/store/store.h"
 
 namespace mortise::catalog {
@@ -50,9 +51,9 @@ absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kin
 absl::Status MarkDeleted(store::Transaction& transaction, const char* kind, const std::string& name,
                          int64_t revision);
 
-// Tells what happened; `data` is a JSON object.
+// Tells what happened, and of which request; `data` is a JSON object.
 absl::Status AppendEvent(store::Transaction& transaction, const std::string& type,
                          const std::string& subject, const nlohmann::json& data,
-                         const std::string& trace_id);
+                         const resources::Author& author);
 
 }  // namespace mortise::catalog

@@ -3,6 +3,7 @@
 
 #include <google/protobuf/util/field_mask_util.h>
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,13 @@ namespace mortise::catalog {
 template <typename Message>
 absl::Status CheckUpdateMask(const google::protobuf::FieldMask& mask) {
   using google::protobuf::util::FieldMaskUtil;
+  static const std::set<std::string> kOfTheService = {"name", "revision", "update_time",
+                                                      "create_time", "creator"};
   std::vector<FieldViolation> violations;
   for (const std::string& path : mask.paths()) {
     if (!FieldMaskUtil::IsValidPath<Message>(path)) {
       violations.push_back({"update_mask", absl::StrCat("there is no field '", path, "'")});
-    } else if (path == "name" || path == "revision" || path == "update_time") {
+    } else if (kOfTheService.count(path.substr(0, path.find('.'))) != 0) {
       violations.push_back({"update_mask", absl::StrCat("'", path, "' cannot be changed")});
     }
   }

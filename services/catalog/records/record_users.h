@@ -20,6 +20,13 @@ bool UsesItem(const Bundle& bundle, const std::string& item) {
                      [&](const auto& used) { return used.name() == item; });
 }
 
+// Whether the latest revision in a record, of a Bundle, uses the item.
+template <typename Bundle>
+bool Uses(const store::Record& record, const std::string& item) {
+  Bundle bundle;
+  return bundle.ParseFromString(record.payload) && UsesItem(bundle, item);
+}
+
 // As many users as a refusal names.
 inline constexpr std::size_t kMostUsersNamed = 5;
 

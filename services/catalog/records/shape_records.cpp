@@ -67,7 +67,7 @@ absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& 
 }
 
 absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
-                                      const std::string& trace_id) {
+                                      const resources::Author& author) {
   const auto notes = std::move(*shape.mutable_notes());
   shape.clear_notes();
   MORTISE_ASSIGN_OR_RETURN(const bool is_new, PutShape(transaction, shape));
@@ -76,7 +76,7 @@ absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape
                                         {{"volume", shape.volume()},
                                          {"triangles", shape.triangle_count()},
                                          {"exact", shape.exact()}},
-                                        trace_id));
+                                        author));
   }
   v1::Shape summary = ShownShape(std::move(shape));
   *summary.mutable_notes() = notes;

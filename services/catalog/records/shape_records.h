@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "common/design/template_validation.h"
 #include "common/mesh/shapes/drawn_shape.h"
+#include "common/resources/author.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
@@ -37,7 +38,7 @@ absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& 
 // Writes a shape that was read from a file ("shape.imported"), and gives it without its arrays. Its
 // notes are of the file, so the answer has them and the record does not.
 absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
-                                      const std::string& trace_id);
+                                      const resources::Author& author);
 
 // The shapes that the assembly's parts and the items name and that `shapes` does not have.
 std::set<std::string> MissingShapes(const v1::Assembly& assembly,

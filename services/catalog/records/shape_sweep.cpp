@@ -107,7 +107,7 @@ absl::StatusOr<std::vector<std::string>> SweepShapes(store::Store& store) {
       MORTISE_RETURN_IF_ERROR(transaction.Delete(kShapes, key));
       removed.push_back(absl::StrCat("shapes/", key));
       MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "shape.deleted", removed.back(),
-                                          {{"bytes", shape->payload.size()}}, ""));
+                                          {{"bytes", shape->payload.size()}}, {}));
     }
     return absl::OkStatus();
   }));

@@ -85,6 +85,14 @@ absl::Status PutMark(store::Transaction& transaction, const std::string& name,
   return transaction.Put(kMarks, name, json.dump()).status();
 }
 
+absl::Status MoveMark(store::Transaction& transaction, const std::string& name, int64_t from,
+                      int64_t to) {
+  MORTISE_ASSIGN_OR_RETURN(std::optional<ShippedMark> mark, GetMark(transaction, name));
+  if (!mark || mark->revision != from) return absl::OkStatus();
+  mark->revision = to;
+  return PutMark(transaction, name, *mark);
+}
+
 absl::StatusOr<std::optional<PresentRevision>> FindPresent(store::ReadTransaction& transaction,
                                                            const char* kind,
                                                            const std::string& name) {

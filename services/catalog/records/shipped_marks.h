@@ -70,6 +70,12 @@ absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& trans
 absl::Status PutMark(store::Transaction& transaction, const std::string& name,
                      const ShippedMark& mark);
 
+// Takes a mark along from one revision of a resource to the next, which says the same: somebody
+// gave it external ids or labels, and it still is what was shipped. Nothing where the mark is of
+// another revision, or there is none.
+absl::Status MoveMark(store::Transaction& transaction, const std::string& name, int64_t from,
+                      int64_t to);
+
 // The resource `kind/id` in its latest revision, if there is one.
 absl::StatusOr<std::optional<PresentRevision>> FindPresent(store::ReadTransaction& transaction,
                                                            const char* kind,

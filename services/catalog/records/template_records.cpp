@@ -1,13 +1,13 @@
 // Templates in the store, each revision with the items and materials it was imported with.
-#include <google/protobuf/util/time_util.h>
-
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
-#include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
+#include "common/resources/resource_filter.h"
 #include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/bundle_records.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/list_filter.h"
 #include "services/catalog/records/record_access.h"
@@ -18,14 +18,7 @@
 namespace mortise::catalog {
 namespace {
 
-absl::StatusOr<v1::TemplateBundle> BundleOf(const store::Record& record) {
-  v1::TemplateBundle bundle;
-  if (!bundle.ParseFromString(record.payload)) {
-    return StorageFailed("templates/" + record.key, "the record cannot be read");
-  }
-  bundle.mutable_template_()->set_revision(record.revision);
-  return bundle;
-}
+constexpr BundleKind kKind = {.names = kTemplates, .name = "template"};
 
 // Whether there is nothing of the name or revision that was asked for.
 bool IsNone(const absl::Status& status) {
@@ -73,23 +66,23 @@ bool IsOfKind(const v1::Template& message, v1::ListTemplatesRequest::Kind kind) 
 
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
                                              const std::string& name, int64_t revision) {
-  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
-                           GetRecord(transaction, kTemplates, name, revision));
-  return BundleOf(record);
+  return GetBundleOf<v1::TemplateBundle>(transaction, kKind, name, revision);
 }
 
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
                                                  const v1::ListTemplatesRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
+  const auto filter = resources::ResourceFilter::Of(request);
   MORTISE_RETURN_IF_ERROR(Together(
       Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      resources::ReadPageQuery(request).status()));
+      Together(filter.status(), resources::ReadPageQuery(request).status())));
   return ReadPage<v1::Template>(
       transaction, kTemplates, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
-        MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf(record));
+        MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                                 BundleOf<v1::TemplateBundle>(kKind, record));
         const v1::Template& message = bundle.template_();
-        if (!IsOfKind(message, request.kind())) return std::nullopt;
+        if (!IsOfKind(message, request.kind()) || !filter->Takes(message)) return std::nullopt;
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
         if (!words->Takes(message.name(), {message.title(), message.description()})) {
           return std::nullopt;
@@ -102,9 +95,7 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message) {
   v1::TemplateBundle bundle;
   *bundle.mutable_template_() = message;
-  bundle.mutable_template_()->clear_revision();
-  bundle.mutable_template_()->clear_create_time();
-  bundle.mutable_template_()->clear_digest();
+  ClearWhatTheServiceSays(bundle.mutable_template_());
   if (message.has_assembly()) {
     MORTISE_RETURN_IF_ERROR(FreezeAssembly(transaction, bundle));
     return bundle;
@@ -121,40 +112,17 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
 
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
-                                          const std::string& trace_id) {
-  v1::Template& message = *bundle.mutable_template_();
-  MORTISE_ASSIGN_OR_RETURN(const store::Record latest,
-                           GetRecordOrNone(transaction, kTemplates, message.name(), "template"));
-  if (latest.revision != expected_revision) {
-    return StaleRevision(message.name(), expected_revision, latest.revision);
-  }
-  if (latest.revision > 0) {
-    MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle present, BundleOf(latest));
-    if (present.template_().digest() == message.digest()) {
-      return std::move(*present.mutable_template_());
-    }
-  }
-  bundle.clear_shapes();  // those of the assembly are stored
-  *message.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
-      absl::ToUnixMicros(transaction.Now()));
-  MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
-                           PutNext(transaction, kTemplates, message.name(),
-                                   bundle.SerializeAsString(), expected_revision));
-  message.set_revision(revision);
-  MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, "template.imported", message.name(),
-                                      {{"title", message.title()},
-                                       {"revision", revision},
-                                       {"digest", message.digest()},
-                                       {"parts", message.parts_size()}},
-                                      trace_id));
-  return std::move(message);
+                                          const resources::Author& author) {
+  // The shapes are those of the assembly, which are stored.
+  return ImportRevision(transaction, kKind, std::move(bundle), expected_revision, author);
 }
 
 absl::Status DeleteTemplate(store::Transaction& transaction,
-                            const v1::DeleteTemplateRequest& request, const std::string& trace_id) {
+                            const v1::DeleteTemplateRequest& request,
+                            const resources::Author& author) {
   MORTISE_RETURN_IF_ERROR(MarkDeleted(transaction, kTemplates, request.name(), request.revision()));
   return AppendEvent(transaction, "template.deleted", request.name(),
-                     {{"revision", request.revision()}}, trace_id);
+                     {{"revision", request.revision()}}, author);
 }
 
 }  // namespace mortise::catalog

@@ -16,6 +16,8 @@
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/files/template_codec.h"
+#include "common/host/call_author.h"
+#include "common/resources/resource_tags.h"
 #include "common/rpc/handler.h"
 #include "common/store/store.h"
 #include "mortise/v1/assembly.grpc.pb.h"
@@ -148,13 +150,13 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
           MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(asked.assembly()));
           MORTISE_RETURN_IF_ERROR(WithRevisionFault(
               *store_, kAssemblies, asked.assembly().name(), asked.expected_revision(),
-              UnderField("assembly", Parametrize(call, bundle).status())));
+              UnderField("assembly", Together(Parametrize(call, bundle).status(),
+                                              resources::ValidateTags(asked.assembly())))));
           return bundle;
         },
         [](const rpc::Call& call, const v1::ImportAssemblyRequest& asked,
            v1::AssemblyBundle& bundle, store::Transaction& transaction) {
-          return ImportBundle(transaction, bundle, asked.expected_revision(),
-                              call.identity().trace_id);
+          return ImportBundle(transaction, bundle, asked.expected_revision(), rpc::AuthorOf(call));
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -170,10 +172,9 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         [](const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked, Imported& imported,
            store::Transaction& transaction) -> absl::StatusOr<v1::ImportAssemblyStepResponse> {
           v1::ImportAssemblyStepResponse answer;
-          MORTISE_ASSIGN_OR_RETURN(
-              *answer.mutable_assembly(),
-              ImportBundle(transaction, imported.bundle, asked.expected_revision(),
-                           call.identity().trace_id));
+          MORTISE_ASSIGN_OR_RETURN(*answer.mutable_assembly(),
+                                   ImportBundle(transaction, imported.bundle,
+                                                asked.expected_revision(), rpc::AuthorOf(call)));
           answer.mutable_notes()->Assign(imported.notes.begin(), imported.notes.end());
           return answer;
         },
@@ -187,8 +188,7 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
         "DeleteAssembly", context, request, response,
         [](const rpc::Call& call, const v1::DeleteAssemblyRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteAssemblyResponse> {
-          MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteAssembly(transaction, asked, call.identity().trace_id));
+          MORTISE_RETURN_IF_ERROR(catalog::DeleteAssembly(transaction, asked, rpc::AuthorOf(call)));
           return v1::DeleteAssemblyResponse();
         });
   }
@@ -297,7 +297,8 @@ class AssemblyAdapter : public v1::AssemblyService::CallbackService {
     const bool renames = !prepared.ok() && !asked.drawing().empty();
     MORTISE_RETURN_IF_ERROR(WithRevisionFault(
         *store_, kAssemblies, asked.annotations().name(), asked.expected_revision(),
-        renames ? OfUpload(prepared.status()) : prepared.status()));
+        Together(renames ? OfUpload(prepared.status()) : prepared.status(),
+                 UnderField("annotations", resources::ValidateTags(asked.annotations())))));
     return prepared;
   }
 

@@ -2,7 +2,6 @@
 #include "services/catalog/service/catalog_import.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -11,10 +10,11 @@
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
 #include "common/design/template_validation.h"
+#include "common/resources/resource_tags.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/pending_records.h"
 #include "services/catalog/records/record_access.h"
-#include "services/catalog/records/shipped_marks.h"
+#include "services/catalog/records/record_tags.h"
 
 namespace mortise::catalog {
 namespace {
@@ -125,6 +125,8 @@ absl::Status FreezeTemplates(const v1::ImportCatalogRequest& request, PendingRec
     faults.AddName(place, message.name());
     const absl::Status name = ParseResourceName(message.name(), kTemplates, "name").status();
     MORTISE_RETURN_IF_ERROR(faults.Add(place, message.name(), name));
+    const absl::Status tags = resources::ValidateTags(message);
+    MORTISE_RETURN_IF_ERROR(faults.Add(place, message.name(), tags));
     absl::StatusOr<v1::TemplateBundle> bundle = Freeze(pending, message);
     MORTISE_RETURN_IF_ERROR(faults.Add(place, message.name(), bundle.status()));
     const bool can_be_judged = name.ok() && bundle.ok() && !UsesWhatIsAtFault(*bundle, faults);
@@ -147,13 +149,16 @@ absl::Status TakeAsStored(store::ReadTransaction& transaction, v1::TemplateBundl
 }
 
 absl::StatusOr<Replacement> StoreTemplate(store::Transaction& transaction,
-                                          v1::TemplateBundle bundle, const std::string& trace_id) {
+                                          v1::TemplateBundle bundle,
+                                          const resources::Author& author) {
   MORTISE_RETURN_IF_ERROR(TakeAsStored(transaction, bundle));
-  MORTISE_ASSIGN_OR_RETURN(const std::optional<PresentRevision> present,
-                           FindPresent(transaction, kTemplates, bundle.template_().name()));
-  const int64_t before = present ? present->revision : 0;
+  v1::Template& message = *bundle.mutable_template_();
+  const absl::StatusOr<v1::TemplateBundle> present = GetBundle(transaction, message.name(), 0);
+  if (!absl::IsNotFound(present.status())) MORTISE_RETURN_IF_ERROR(present.status());
+  if (present.ok()) KeepTags(present->template_(), &message);
+  const int64_t before = present.ok() ? present->template_().revision() : 0;
   MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
-                           ImportBundle(transaction, std::move(bundle), before, trace_id));
+                           ImportBundle(transaction, std::move(bundle), before, author));
   return Replacement{before, stored.revision()};
 }
 
@@ -200,7 +205,7 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
 
 absl::StatusOr<v1::ImportCatalogResponse> ImportCatalog(
     store::Transaction& transaction, const v1::ImportCatalogRequest& request,
-    const std::vector<v1::TemplateBundle>& templates, const std::string& trace_id) {
+    const std::vector<v1::TemplateBundle>& templates, const resources::Author& author) {
   // Once more, as others may have removed what is used.
   PendingRecords pending(transaction);
   Faults faults;
@@ -209,16 +214,16 @@ absl::StatusOr<v1::ImportCatalogResponse> ImportCatalog(
   v1::ImportCatalogResponse answer;
   for (const v1::Material& material : request.materials()) {
     MORTISE_ASSIGN_OR_RETURN(const Replacement replaced,
-                             ReplaceMaterial(transaction, material, trace_id));
+                             ReplaceMaterial(transaction, material, author));
     Note(material.name(), replaced, answer);
   }
   for (const v1::Item& item : request.items()) {
-    MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, trace_id));
+    MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, author));
     Note(item.name(), replaced, answer);
   }
   for (const v1::TemplateBundle& bundle : templates) {
     MORTISE_ASSIGN_OR_RETURN(const Replacement replaced,
-                             StoreTemplate(transaction, bundle, trace_id));
+                             StoreTemplate(transaction, bundle, author));
     Note(bundle.template_().name(), replaced, answer);
   }
   return answer;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/resources/author.h"
 #include "common/store/store.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.pb.h"
@@ -23,10 +24,11 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
 
 // Stores a request with its templates as PrepareImport has made them. What others changed
 // meanwhile is replaced like everything else; what they removed is INVALID_ARGUMENT as above where
-// something of the request needs it. Template revisions keep the items that were there when they
-// were prepared.
+// something of the request needs it. What is there keeps its external ids where the request has
+// none of it, and so its labels. Template revisions keep the items that were there when they were
+// prepared.
 absl::StatusOr<v1::ImportCatalogResponse> ImportCatalog(
     store::Transaction& transaction, const v1::ImportCatalogRequest& request,
-    const std::vector<v1::TemplateBundle>& templates, const std::string& trace_id);
+    const std::vector<v1::TemplateBundle>& templates, const resources::Author& author);
 
 }  // namespace mortise::catalog

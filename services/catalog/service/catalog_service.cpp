@@ -10,7 +10,9 @@
 #include "common/base/violation_lists.h"
 #include "common/design/parameter_values.h"
 #include "common/files/template_codec.h"
+#include "common/host/call_author.h"
 #include "common/host/chunk_stream.h"
+#include "common/resources/resource_tags.h"
 #include "common/rpc/handler.h"
 #include "common/rpc/server_host.h"
 #include "common/store/store.h"
@@ -70,7 +72,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         },
         [](const rpc::Call& call, const v1::ImportCatalogRequest& asked,
            std::vector<v1::TemplateBundle>& templates, store::Transaction& transaction) {
-          return catalog::ImportCatalog(transaction, asked, templates, call.identity().trace_id);
+          return catalog::ImportCatalog(transaction, asked, templates, rpc::AuthorOf(call));
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -106,7 +108,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::CreateMaterialRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::CreateMaterial(transaction, asked.material(),
-                                                               call.identity().trace_id);
+                                                               rpc::AuthorOf(call));
                               });
   }
 
@@ -117,7 +119,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::UpdateMaterialRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::UpdateMaterial(transaction, asked,
-                                                               call.identity().trace_id);
+                                                               rpc::AuthorOf(call));
                               });
   }
 
@@ -128,8 +130,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         "DeleteMaterial", context, request, response,
         [](const rpc::Call& call, const v1::DeleteMaterialRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteMaterialResponse> {
-          MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteMaterial(transaction, asked, call.identity().trace_id));
+          MORTISE_RETURN_IF_ERROR(catalog::DeleteMaterial(transaction, asked, rpc::AuthorOf(call)));
           return v1::DeleteMaterialResponse();
         });
   }
@@ -165,7 +166,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
                               [](const rpc::Call& call, const v1::CreateItemRequest& asked,
                                  store::Transaction& transaction) {
                                 return catalog::CreateItem(transaction, asked.item(),
-                                                           call.identity().trace_id);
+                                                           rpc::AuthorOf(call));
                               });
   }
 
@@ -175,8 +176,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
     return endpoint_.Mutation("UpdateItem", context, request, response,
                               [](const rpc::Call& call, const v1::UpdateItemRequest& asked,
                                  store::Transaction& transaction) {
-                                return catalog::UpdateItem(transaction, asked,
-                                                           call.identity().trace_id);
+                                return catalog::UpdateItem(transaction, asked, rpc::AuthorOf(call));
                               });
   }
 
@@ -187,8 +187,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         "DeleteItem", context, request, response,
         [](const rpc::Call& call, const v1::DeleteItemRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteItemResponse> {
-          MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteItem(transaction, asked, call.identity().trace_id));
+          MORTISE_RETURN_IF_ERROR(catalog::DeleteItem(transaction, asked, rpc::AuthorOf(call)));
           return v1::DeleteItemResponse();
         });
   }
@@ -202,7 +201,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         [](const rpc::Call&, const v1::ImportShapeRequest& asked) { return ReadShape(asked); },
         [](const rpc::Call& call, const v1::ImportShapeRequest&, v1::Shape& shape,
            store::Transaction& transaction) {
-          return catalog::ImportShape(transaction, shape, call.identity().trace_id);
+          return catalog::ImportShape(transaction, shape, rpc::AuthorOf(call));
         });
   }
 
@@ -274,8 +273,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         },
         [](const rpc::Call& call, const v1::ImportTemplateRequest& asked,
            v1::TemplateBundle& bundle, store::Transaction& transaction) {
-          return ImportBundle(transaction, bundle, asked.expected_revision(),
-                              call.identity().trace_id);
+          return ImportBundle(transaction, bundle, asked.expected_revision(), rpc::AuthorOf(call));
         },
         rpc::BadNumbers::kToldWithAllElse);
   }
@@ -287,8 +285,7 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
         "DeleteTemplate", context, request, response,
         [](const rpc::Call& call, const v1::DeleteTemplateRequest& asked,
            store::Transaction& transaction) -> absl::StatusOr<v1::DeleteTemplateResponse> {
-          MORTISE_RETURN_IF_ERROR(
-              catalog::DeleteTemplate(transaction, asked, call.identity().trace_id));
+          MORTISE_RETURN_IF_ERROR(catalog::DeleteTemplate(transaction, asked, rpc::AuthorOf(call)));
           return v1::DeleteTemplateResponse();
         });
   }
@@ -351,9 +348,11 @@ class CatalogAdapter : public v1::CatalogService::CallbackService {
   absl::StatusOr<v1::TemplateBundle> PrepareTemplate(const rpc::Call& call,
                                                      const v1::ImportTemplateRequest& asked) {
     absl::StatusOr<v1::TemplateBundle> bundle = FreezeAndComplete(call, asked.template_());
+    const absl::Status faults =
+        Together(bundle.status(), resources::ValidateTags(asked.template_()));
     MORTISE_RETURN_IF_ERROR(WithRevisionFault(*store_, kTemplates, asked.template_().name(),
                                               asked.expected_revision(),
-                                              UnderField("template", bundle.status())));
+                                              UnderField("template", faults)));
     return bundle;
   }
 

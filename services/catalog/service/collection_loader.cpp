@@ -14,6 +14,9 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/files/collection.h"
+#include "common/messages/message_digest.h"
+#include "common/resources/author.h"
+#include "common/resources/resource_tags.h"
 #include "services/catalog/records/assembly_records.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/record_access.h"
@@ -45,7 +48,20 @@ bool IsOlder(const parametric::Collection& collection, int64_t newest) {
 }
 
 std::string DigestOf(const google::protobuf::Message& message) {
-  return Sha256Hex(message.SerializeAsString());
+  return parametric::MessageDigest(message);
+}
+
+// Whom what ships is by.
+resources::Author Shipper() { return {.user = "services/catalog", .trace_id = ""}; }
+
+// What is there keeps its external ids and labels, whatever a collection says of them: they are its
+// users'.
+template <typename Message>
+absl::Status KeepTagsOf(const absl::StatusOr<Message>& present, Message* message) {
+  if (absl::IsNotFound(present.status())) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(present.status());
+  resources::CopyTags(*present, message);
+  return absl::OkStatus();
 }
 
 // The template that exposes what can be changed of an assembly.
@@ -56,9 +72,11 @@ v1::Template TemplateOf(const v1::Assembly& assembly) {
   return message;
 }
 
-absl::StatusOr<int64_t> PutMaterial(store::Transaction& transaction, const v1::Material& material) {
+absl::StatusOr<int64_t> PutMaterial(store::Transaction& transaction, v1::Material material) {
   MORTISE_RETURN_IF_ERROR(CheckMaterial(material));
-  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceMaterial(transaction, material, ""));
+  MORTISE_RETURN_IF_ERROR(KeepTagsOf(GetMaterial(transaction, material.name()), &material));
+  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced,
+                           ReplaceMaterial(transaction, material, Shipper()));
   return replaced.revision;
 }
 
@@ -80,13 +98,14 @@ absl::Status PutShapeNamed(store::Transaction& transaction, const ShapesOfCollec
   return PutShape(transaction, *shape->second).status();
 }
 
-absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, const v1::Item& item,
+absl::StatusOr<int64_t> PutItem(store::Transaction& transaction, v1::Item item,
                                 const ShapesOfCollection& shapes) {
   MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, item.shape()));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> findings,
                            CheckItem(transaction, item));
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
-  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, ""));
+  MORTISE_RETURN_IF_ERROR(KeepTagsOf(GetItem(transaction, item.name()), &item));
+  MORTISE_ASSIGN_OR_RETURN(const Replacement replaced, ReplaceItem(transaction, item, Shipper()));
   return replaced.revision;
 }
 
@@ -98,21 +117,33 @@ absl::StatusOr<int64_t> PutAssembly(store::Transaction& transaction, const v1::A
   for (const v1::AssemblyPart& part : message.parts()) {
     MORTISE_RETURN_IF_ERROR(PutShapeNamed(transaction, shapes, part.shape()));
   }
+  MORTISE_RETURN_IF_ERROR(resources::ValidateTags(message));
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, Freeze(transaction, message));
+  if (present > 0) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::AssemblyBundle before,
+                             GetAssemblyBundle(transaction, message.name(), 0));
+    resources::CopyTags(before.assembly(), bundle.mutable_assembly());
+  }
   MORTISE_RETURN_IF_ERROR(parametrized.Get(bundle, IsNeverGivenUp).status());
   MORTISE_ASSIGN_OR_RETURN(const v1::Assembly stored,
-                           ImportBundle(transaction, std::move(bundle), present, ""));
+                           ImportBundle(transaction, std::move(bundle), present, Shipper()));
   return stored.revision();
 }
 
 // What ships has been tried all over its design space (shipped_things_test).
 absl::StatusOr<int64_t> PutTemplate(store::Transaction& transaction, const v1::Template& message,
                                     ParametrizationCache& parametrized, int64_t present) {
+  MORTISE_RETURN_IF_ERROR(resources::ValidateTags(message));
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
+  if (present > 0) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle before,
+                             GetBundle(transaction, message.name(), 0));
+    resources::CopyTags(before.template_(), bundle.mutable_template_());
+  }
   MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults, IsNeverGivenUp,
                                               parametrized.ForTemplates()));
   MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
-                           ImportBundle(transaction, std::move(bundle), present, ""));
+                           ImportBundle(transaction, std::move(bundle), present, Shipper()));
   return stored.revision();
 }
 

@@ -199,7 +199,7 @@ TEST_F(CatalogReplicasTest, ASweepLeavesNoItemWithoutItsShape) {
     const std::string id = absl::StrCat("shaped-", round);
     Together({[&] {
                 created = first_->Transact([&](store::Transaction& transaction) {
-                  return CreateItem(transaction, Knob(id, shape.name()), "").status();
+                  return CreateItem(transaction, Knob(id, shape.name()), {}).status();
                 });
               },
               [&] { swept = SweepShapes(*second_); }});
@@ -216,7 +216,7 @@ TEST_F(CatalogReplicasTest, ASweepLeavesNoItemWithoutItsShape) {
       v1::DeleteItemRequest request;
       request.set_name("items/" + id);
       request.set_revision(1);
-      return DeleteItem(transaction, request, "");
+      return DeleteItem(transaction, request, {});
     }));
   }
 }

@@ -34,7 +34,7 @@ class ShapeSweepTest : public ::testing::Test {
     steel.set_poissons_ratio(0.3);
     steel.set_strength(2e8);
     EXPECT_TRUE(InTransaction([&](store::Transaction& transaction) {
-                  return CreateMaterial(transaction, steel, "").status();
+                  return CreateMaterial(transaction, steel, {}).status();
                 }).ok());
   }
 
@@ -44,7 +44,7 @@ class ShapeSweepTest : public ::testing::Test {
 
   absl::Status Import(const v1::Shape& shape) {
     return InTransaction([&](store::Transaction& transaction) {
-      return ImportShape(transaction, shape, "").status();
+      return ImportShape(transaction, shape, {}).status();
     });
   }
 
@@ -67,12 +67,12 @@ class ShapeSweepTest : public ::testing::Test {
         dimension.set_size(0.1);
       }
       const auto present = GetItem(transaction, item.name());
-      if (absl::IsNotFound(present.status())) return CreateItem(transaction, item, "").status();
+      if (absl::IsNotFound(present.status())) return CreateItem(transaction, item, {}).status();
       MORTISE_RETURN_IF_ERROR(present.status());
       v1::UpdateItemRequest update;
       item.set_revision(present->revision());
       *update.mutable_item() = item;
-      return UpdateItem(transaction, update, "").status();
+      return UpdateItem(transaction, update, {}).status();
     });
   }
 
@@ -82,7 +82,7 @@ class ShapeSweepTest : public ::testing::Test {
       request.set_name("items/" + id);
       MORTISE_ASSIGN_OR_RETURN(const v1::Item item, GetItem(transaction, request.name()));
       request.set_revision(item.revision());
-      return DeleteItem(transaction, request, "");
+      return DeleteItem(transaction, request, {});
     });
   }
 

@@ -15,6 +15,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/files/collection.h"
+#include "common/resources/author.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/shape_records.h"
 #include "services/catalog/records/shape_sweep.h"
@@ -23,6 +24,8 @@
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::catalog {
+
+inline const resources::Author kSomebody = {.user = "users/somebody", .trace_id = ""};
 
 inline std::string MaterialText(const std::string& id, double density) {
   return absl::StrCat("materials { name: 'materials/", id, "' title: '", id, "' density: ", density,
@@ -162,7 +165,7 @@ class CollectionLoaderTest : public ::testing::Test {
     *update.mutable_item() = ItemOf(name);
     update.mutable_item()->mutable_price()->set_amount(price);
     ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
-                  return UpdateItem(transaction, update, "somebody").status();
+                  return UpdateItem(transaction, update, kSomebody).status();
                 }).ok());
   }
 
@@ -171,7 +174,7 @@ class CollectionLoaderTest : public ::testing::Test {
     request.set_name(name);
     request.set_revision(ItemOf(name).revision());
     ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
-                  return DeleteItem(transaction, request, "somebody");
+                  return DeleteItem(transaction, request, kSomebody);
                 }).ok());
   }
 

@@ -55,7 +55,7 @@ TEST_F(CollectionLoaderTest, DoesNotBringBackTemplatesThatUsersRemoved) {
   request.set_name("templates/disc");
   request.set_revision(1);
   ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
-                return DeleteTemplate(transaction, request, "somebody");
+                return DeleteTemplate(transaction, request, kSomebody);
               }).ok());
   ShipDisc("Better disc");
   const CollectionReport report = Load();
@@ -67,7 +67,7 @@ TEST_F(CollectionLoaderTest, DoesNotBringBackTemplatesThatUsersRemoved) {
                 MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
                                          GetBundle(transaction, "templates/disc", 1));
                 bundle.mutable_template_()->set_title("My disc");
-                return ImportBundle(transaction, bundle, 0, "somebody").status();
+                return ImportBundle(transaction, bundle, 0, kSomebody).status();
               }).ok());
   ShipDisc("Best disc");
   EXPECT_THAT(Load().kept, ElementsAre("templates/disc"));
@@ -82,11 +82,11 @@ TEST_F(CollectionLoaderTest, BringsATemplateOfANameThatAUserTookAndGaveUp) {
   ASSERT_TRUE(Transact([&](store::Transaction& transaction) -> absl::Status {
                 MORTISE_ASSIGN_OR_RETURN(bundle, GetBundle(transaction, "templates/disc", 1));
                 bundle.mutable_template_()->set_name("templates/puck");
-                MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, bundle, 0, "somebody").status());
+                MORTISE_RETURN_IF_ERROR(ImportBundle(transaction, bundle, 0, kSomebody).status());
                 v1::DeleteTemplateRequest request;
                 request.set_name("templates/puck");
                 request.set_revision(1);
-                return DeleteTemplate(transaction, request, "somebody");
+                return DeleteTemplate(transaction, request, kSomebody);
               }).ok());
   ShipDisc("Puck", "puck");
   EXPECT_THAT(Load().created, ElementsAre("templates/puck"));
@@ -102,7 +102,7 @@ TEST_F(CollectionLoaderTest, KeepsWhatUsersMadeInPlaceOfWhatTheyRemoved) {
   own.clear_update_time();
   own.clear_revision();
   ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
-                return CreateItem(transaction, own, "somebody").status();
+                return CreateItem(transaction, own, kSomebody).status();
               }).ok());
   ASSERT_EQ(ItemOf("items/knob").revision(), 1);  // as what was shipped had
   Ship(500, 2);
@@ -120,7 +120,7 @@ TEST_F(CollectionLoaderTest, DoesNotReplaceWhatUsersMadeBefore) {
   own.set_poissons_ratio(0.3);
   own.set_strength(2e7);
   ASSERT_TRUE(Transact([&](store::Transaction& transaction) {
-                return CreateMaterial(transaction, own, "somebody").status();
+                return CreateMaterial(transaction, own, kSomebody).status();
               }).ok());
   now_ += absl::Seconds(1);
   const CollectionReport report = Load();
