@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "common/expressions/identifier.h"
 #include "common/files/csv_designs.h"
 #include "common/files/csv_table.h"
+#include "common/files/csv_tags.h"
 #include "common/files/design_file.h"
 
 namespace mortise::parametric {
@@ -59,6 +61,8 @@ struct Column {
     kMeasure,
     kStockSizes,
     kMoreSuppliers,
+    kExternalIds,
+    kLabels,
     kUnknown  // the header is at fault
   };
   std::string title;    // as the header has it
@@ -81,10 +85,15 @@ bool FindMeaning(Column& column) {
     for (const char* plain : kPlainColumns) {
       if (meaning == plain) return true;
     }
-    if (meaning == "price" || meaning == "currency" || meaning == "more_suppliers") {
-      column.part = meaning == "price"      ? Column::Part::kPrice
-                    : meaning == "currency" ? Column::Part::kCurrency
-                                            : Column::Part::kMoreSuppliers;
+    static const std::map<std::string_view, Column::Part> kWithFormsOfTheirOwn = {
+        {"price", Column::Part::kPrice},
+        {"currency", Column::Part::kCurrency},
+        {"more_suppliers", Column::Part::kMoreSuppliers},
+        {"external_ids", Column::Part::kExternalIds},
+        {"labels", Column::Part::kLabels}};
+    if (const auto found = kWithFormsOfTheirOwn.find(meaning);
+        found != kWithFormsOfTheirOwn.end()) {
+      column.part = found->second;
       return true;
     }
   }
@@ -295,6 +304,12 @@ class Reader {
                 text.empty() ? absl::OkStatus() : SetStockSizes(item, text, column.millimetres)};
       case Column::Part::kMoreSuppliers:
         return {"more_suppliers", text.empty() ? absl::OkStatus() : SetMoreSuppliers(item, text)};
+      case Column::Part::kExternalIds:
+        if (!text.empty()) ReadExternalIds(text, item.mutable_external_ids());
+        return {"external_ids", absl::OkStatus()};
+      case Column::Part::kLabels:
+        return {"labels",
+                text.empty() ? absl::OkStatus() : ReadLabels(text, item.mutable_labels())};
       case Column::Part::kDimension:
         return FillDimension(column, text, item);
       case Column::Part::kMeasure:

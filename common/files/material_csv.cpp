@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/files/csv_designs.h"
+#include "common/files/csv_tags.h"
 
 namespace mortise::parametric {
 namespace {
@@ -17,6 +19,8 @@ using google::protobuf::Message;
 
 constexpr std::size_t kMaxFindings = 100;
 constexpr std::string_view kOrthotropicPrefix = "orthotropic.";
+constexpr std::string_view kExternalIdsColumn = "external_ids";
+constexpr std::string_view kLabelsColumn = "labels";
 constexpr const char* kNeededColumns[] = {"name", "density", "youngs_modulus", "poissons_ratio",
                                           "strength"};
 
@@ -36,9 +40,12 @@ Column ColumnOf(const std::string& title) {
                                     : v1::Material::descriptor()->FindFieldByName(title);
   if (column.field == nullptr) return column;
   const auto type = column.field->cpp_type();
-  const bool is_cell = type == FieldDescriptor::CPPTYPE_DOUBLE ||
-                       type == FieldDescriptor::CPPTYPE_STRING ||
-                       type == FieldDescriptor::CPPTYPE_BOOL;
+  const bool is_plain = !column.field->is_repeated() && (type == FieldDescriptor::CPPTYPE_DOUBLE ||
+                                                         type == FieldDescriptor::CPPTYPE_STRING ||
+                                                         type == FieldDescriptor::CPPTYPE_BOOL);
+  // Who created it, the service says.
+  const bool is_cell =
+      (is_plain && title != "creator") || title == kExternalIdsColumn || title == kLabelsColumn;
   if (!is_cell) column.field = nullptr;
   return column;
 }
@@ -106,6 +113,11 @@ class Reader {
   // An empty cell says nothing: a material without any constant of an elasticity has none.
   static absl::Status Fill(const Column& column, const std::string& text, v1::Material& material) {
     if (text.empty()) return absl::OkStatus();
+    if (column.title == kLabelsColumn) return ReadLabels(text, material.mutable_labels());
+    if (column.title == kExternalIdsColumn) {
+      ReadExternalIds(text, material.mutable_external_ids());
+      return absl::OkStatus();
+    }
     Message* message = &material;
     if (column.orthotropic) message = material.mutable_orthotropic();
     if (column.field->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {

@@ -4,8 +4,9 @@
 //
 // From… functions check what structs cannot express (unknown enum values, missing bodies, an item's
 // axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes
-// sense is for template_validation.h. Nothing is lost in either direction except the times set by
-// the service, which structs do not carry.
+// sense is for template_validation.h. Nothing is lost in either direction except what is no
+// content, which structs do not carry: external ids, labels, and the creator and times set by the
+// service.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -39,11 +40,12 @@ v1::TemplateBundle ToProto(const TemplateBundle& bundle);
 v1::Structure ToProto(const Structure& structure);
 v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
 
-// SHA-256 of a template's content: of everything but name, revision, digest and time.
+// SHA-256 of a template's content: of everything but name, revision, digest, external ids, labels,
+// creator and time.
 std::string TemplateDigest(const v1::Template& message);
 
 // SHA-256 of all that a bundle's F(q) depends on: the template's content and that of the items and
-// materials, each without revision and time.
+// materials, each without revision, external ids, labels, creator and times.
 std::string BundleDigest(const v1::TemplateBundle& message);
 
 }  // namespace mortise::parametric
