@@ -24,7 +24,8 @@ absl::StatusOr<Assembly> FromProto(const v1::Assembly& message, const std::vecto
                                    const ShapesByName& shapes = {});
 
 // SHA-256 of all that an assembly's parametrisation depends on: its content without name, revision,
-// digest and time, and that of its items and materials, each without revision and time.
+// digest, external ids, labels, creator and time, and that of its items and materials, each without
+// revision, external ids, labels, creator and times.
 std::string BundleDigest(const v1::AssemblyBundle& message);
 
 }  // namespace mortise::parametric

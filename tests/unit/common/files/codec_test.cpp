@@ -71,6 +71,29 @@ TEST(Codec, DigestIsOfTheContentAlone) {
   EXPECT_NE(TemplateDigest(message), digest);
 }
 
+template <typename Message>
+void Tag(Message& message) {
+  message.add_external_ids("100-4711/A");
+  (*message.mutable_labels())["site"] = "Hamburg";
+  message.set_creator("users/ada");
+  message.mutable_create_time()->set_seconds(12345);
+}
+
+TEST(Codec, DigestsDoNotDependOnTags) {
+  v1::TemplateBundle message = ToProto(TableBundle());
+  message.mutable_assembly()->set_title("An assembly");
+  const std::string digest = BundleDigest(message);
+  const std::string of_template = TemplateDigest(message.template_());
+  Tag(*message.mutable_template_());
+  Tag(*message.mutable_items(0));
+  Tag(*message.mutable_materials(0));
+  Tag(*message.mutable_assembly());
+  EXPECT_EQ(TemplateDigest(message.template_()), of_template);
+  EXPECT_EQ(BundleDigest(message), digest);
+  message.mutable_assembly()->set_title("Another");
+  EXPECT_NE(BundleDigest(message), digest);
+}
+
 TEST(Codec, RefusesWhatStructsCannotHold) {
   const Collection collection = ShippedCollection();
   const auto field = [](const absl::Status& status) { return DetailOf(status).field; };

@@ -110,6 +110,26 @@ std::vector<std::string> FieldsAtFault(const v1::Assembly& message) {
   return fields;
 }
 
+TEST(AssemblyCodec, DigestDoesNotDependOnTags) {
+  const auto tag = [](auto& message) {
+    message.add_external_ids("100-4711/A");
+    (*message.mutable_labels())["site"] = "Hamburg";
+    message.set_creator("users/ada");
+    message.mutable_create_time()->set_seconds(12345);
+  };
+  v1::AssemblyBundle bundle;
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(kRack, bundle.mutable_assembly()));
+  bundle.add_items()->set_title("Board");
+  bundle.add_materials()->set_title("Oak");
+  const std::string digest = BundleDigest(bundle);
+  tag(*bundle.mutable_assembly());
+  tag(*bundle.mutable_items(0));
+  tag(*bundle.mutable_materials(0));
+  EXPECT_EQ(BundleDigest(bundle), digest);
+  bundle.mutable_items(0)->set_title("Plank");
+  EXPECT_NE(BundleDigest(bundle), digest);
+}
+
 TEST(AssemblyCodec, ResolvesGroupsItemsAndRepetitions) {
   const auto rack = FromProto(Rack(), Items());
   ASSERT_TRUE(rack.ok()) << rack.status();
