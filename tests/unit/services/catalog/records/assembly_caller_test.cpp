@@ -77,9 +77,8 @@ class AssemblyCallerTest : public ::testing::Test {
           return ImportBundle(transaction, bundle, 0, {.user = "users/test"}).status();
         },
         store::Isolation::kSerializable));
-    auto host = rpc::ServerHost::Start(
-        {.dispatcher = dispatcher_.get(),
-         .services = {MakeAssemblyService(environment_, *store_.Blobs(), parametrized_)}});
+    auto host = rpc::ServerHost::Start({.dispatcher = dispatcher_.get(),
+                                        .services = {MakeAssemblyService(environment_, catalog_)}});
     EXPECT_OK(host);
     host_ = *std::move(host);
     host_->SetReady();
@@ -108,8 +107,8 @@ class AssemblyCallerTest : public ::testing::Test {
       return absl::OkStatus();
     }));
     bool is_to_do = false;
-    const absl::Status found = parametrized_
-                                   ->Get(
+    const absl::Status found = catalog_->parametrized
+                                   .Get(
                                        bundle, [] { return true; },
                                        [&](v1::AssemblyBundle&) {
                                          is_to_do = true;
@@ -127,8 +126,7 @@ class AssemblyCallerTest : public ::testing::Test {
                        .value()};
   const std::unique_ptr<rpc::Dispatcher> dispatcher_ =
       rpc::Dispatcher::Create({.service = "catalog", .threads = 2, .store = &store_});
-  const std::shared_ptr<ParametrizationCache> parametrized_ =
-      std::make_shared<ParametrizationCache>(std::size_t{64} << 20);
+  const std::shared_ptr<Catalog> catalog_ = std::make_shared<Catalog>(&store_, *store_.Blobs());
   const rpc::ServiceOptions options_;
   const rpc::ServiceEnvironment environment_{options_, &store_, nullptr, dispatcher_.get(),
                                              nullptr,  nullptr, nullptr};
