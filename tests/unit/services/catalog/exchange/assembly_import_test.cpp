@@ -102,6 +102,15 @@ const v1::AssemblyPart& PartOf(const DrawnAssembly& drawn, const std::string& na
   return v1::AssemblyPart::default_instance();
 }
 
+TEST(AssemblyImport, TakesTheTagsOfAnnotations) {
+  const DrawnAssembly drawn =
+      Made(std::string(kGood) + "external_ids: '100-4711/A' labels { key: 'site' value: 'B' }");
+  EXPECT_THAT(drawn.findings, IsEmpty());
+  EXPECT_THAT(drawn.assembly.external_ids(), ElementsAre("100-4711/A"));
+  ASSERT_EQ(drawn.assembly.labels_size(), 1);
+  EXPECT_EQ(drawn.assembly.labels().at("site"), "B");
+}
+
 TEST(AssemblyImport, MakesPartsGroupsAndNotes) {
   const DrawnAssembly drawn = Made(kGood);
   EXPECT_THAT(drawn.findings, IsEmpty());

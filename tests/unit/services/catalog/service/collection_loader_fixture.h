@@ -169,6 +169,42 @@ class CollectionLoaderTest : public ::testing::Test {
                 }).ok());
   }
 
+  template <typename Message>
+  static void Tag(Message* message) {
+    message->clear_external_ids();
+    message->add_external_ids("100-4711/A");
+    (*message->mutable_labels())["site"] = "Hamburg";
+  }
+
+  // Somebody's own number and label for what ships.
+  void TagItem(const std::string& name) {
+    v1::UpdateItemRequest update;
+    *update.mutable_item() = ItemOf(name);
+    Tag(update.mutable_item());
+    ASSERT_OK(Transact([&](store::Transaction& transaction) {
+      return UpdateItem(transaction, update, kSomebody).status();
+    }));
+  }
+
+  void TagTemplate(const std::string& name) {
+    ASSERT_OK(Transact([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, GetBundle(transaction, name, 0));
+      const int64_t present = bundle.template_().revision();
+      Tag(bundle.mutable_template_());
+      return ImportBundle(transaction, bundle, present, kSomebody).status();
+    }));
+  }
+
+  v1::Template TemplateOf(const std::string& name) {
+    v1::Template found;
+    EXPECT_OK(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const v1::TemplateBundle bundle, GetBundle(transaction, name, 0));
+      found = bundle.template_();
+      return absl::OkStatus();
+    }));
+    return found;
+  }
+
   void Remove(const std::string& name) {
     v1::DeleteItemRequest request;
     request.set_name(name);

@@ -47,6 +47,36 @@ TEST_F(CollectionLoaderTest, KeepsWhatUsersChangedMadeOrRemoved) {
   EXPECT_THAT(Load().kept, IsEmpty());  // told once
 }
 
+TEST_F(CollectionLoaderTest, LeavesTheTagsOfUsersAndGoesOnToBringWhatChanged) {
+  Ship(500, 1);
+  ShipDisc("Disc");
+  Load();
+  EXPECT_EQ(ItemOf("items/knob").creator(), "services/catalog");
+  TagItem("items/knob");
+  TagTemplate("templates/disc");
+  EXPECT_THAT(Load().kept, IsEmpty());  // the collection has nothing new
+  EXPECT_EQ(ItemOf("items/knob").revision(), 2);
+
+  Ship(500, 2);
+  ShipDisc("Better disc");
+  const CollectionReport report = Load();
+  EXPECT_THAT(report.updated, UnorderedElementsAre("items/knob", "templates/disc"));
+  EXPECT_THAT(report.kept, IsEmpty());
+  const v1::Item knob = ItemOf("items/knob");
+  EXPECT_EQ(knob.price().amount(), 2);
+  EXPECT_THAT(knob.external_ids(), ElementsAre("100-4711/A"));
+  EXPECT_EQ(knob.labels().at("site"), "Hamburg");
+  EXPECT_EQ(TitleOf("templates/disc").value_or(""), "Better disc");
+  EXPECT_THAT(TemplateOf("templates/disc").external_ids(), ElementsAre("100-4711/A"));
+  EXPECT_EQ(TemplateOf("templates/disc").creator(), "services/catalog");
+
+  // Whoever changes more than that has his own.
+  TagItem("items/knob");
+  Reprice("items/knob", 7);
+  Ship(500, 3);
+  EXPECT_THAT(Load().kept, ElementsAre("items/knob"));
+}
+
 TEST_F(CollectionLoaderTest, DoesNotBringBackTemplatesThatUsersRemoved) {
   Ship(500, 2);
   ShipDisc("Disc");
