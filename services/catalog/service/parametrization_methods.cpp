@@ -127,10 +127,10 @@ absl::StatusOr<v1::AdjustedAssembly> AdjustAssembly(Catalog& catalog, const rpc:
   const ParametrizedAssembly& found = chosen.found;
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
                            parametric::FromProto(asked.demands()));
-  const auto insistence =
-      asked.strict() ? parametric::Insistence::kStrict : parametric::Insistence::kNearest;
+  const auto policy =
+      asked.strict() ? parametric::DemandPolicy::kStrict : parametric::DemandPolicy::kNearest;
   MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted,
-                           found.parametrized->Adjust(chosen.q, demands, insistence));
+                           found.parametrized->Adjust(chosen.q, demands, policy));
   MORTISE_ASSIGN_OR_RETURN(v1::AdjustedAssembly answer, Evaluate(found, adjusted.q, "q"));
   answer.mutable_reached()->Add(adjusted.reached.begin(), adjusted.reached.end());
   return answer;
