@@ -1,6 +1,8 @@
 // The handler of discovery operations.
 #include "services/pareto/service/discovery_operation.h"
 
+#include <google/protobuf/util/time_util.h>
+
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -14,6 +16,7 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/host/operation_codec.h"
+#include "common/resources/resource_tags.h"
 #include "common/rpc/channel.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
@@ -23,8 +26,10 @@
 #include "services/pareto/discovery/robust_evaluator.h"
 #include "services/pareto/service/discovery_failures.h"
 #include "services/pareto/service/discovery_problem.h"
+#include "services/pareto/service/discovery_request.h"
 #include "services/pareto/service/discovery_start.h"
 #include "services/pareto/service/front_message.h"
+#include "services/pareto/service/front_records.h"
 #include "services/pareto/service/remote_evaluator.h"
 
 namespace mortise::pareto {
@@ -46,16 +51,15 @@ class DiscoveryRun {
   absl::StatusOr<std::string> Run() {
     MORTISE_ASSIGN_OR_RETURN(std::string finished, FinishedBefore());
     if (!finished.empty()) return finished;
-    if (!specification_.ParseFromString(context_.request()))
-      return absl::InternalError("the stored specification cannot be read");
+    MORTISE_ASSIGN_OR_RETURN(request_, ReadDiscoveryRequest(context_.name(), context_.request()));
     MORTISE_ASSIGN_OR_RETURN(auto channel, environment_.peers->Channel(kEvaluatorPeer));
     rpc::RetryOptions retry;
     retry.patience = kDescribePatience;
     retry.stop = context_.stop_token();
     MORTISE_ASSIGN_OR_RETURN(
         auto described,
-        DescribeDesignSpace(channel, specification_, MakeOrigin(kDescribePatience), retry));
-    MORTISE_ASSIGN_OR_RETURN(DiscoveryProblem problem, MakeProblem(specification_, *described));
+        DescribeDesignSpace(channel, specification(), MakeOrigin(kDescribePatience), retry));
+    MORTISE_ASSIGN_OR_RETURN(DiscoveryProblem problem, MakeProblem(specification(), *described));
     MORTISE_RETURN_IF_ERROR(LoadStart());
     problem.options.initial_designs = DesignsOf(start_);
     MORTISE_ASSIGN_OR_RETURN(
@@ -63,7 +67,7 @@ class DiscoveryRun {
         MakeDiscovery(problem.space, problem.discrete,
                       static_cast<Eigen::Index>(problem.objectives.size()), problem.options));
     MORTISE_ASSIGN_OR_RETURN(const auto known, LoadResults());
-    RemoteEvaluator evaluator(channel, specification_, problem,
+    RemoteEvaluator evaluator(channel, specification(), problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); }, {});
     RobustEvaluator robust(evaluator, problem.robustness);
     RunOptions options = MakeRunOptions(problem);
@@ -87,25 +91,16 @@ class DiscoveryRun {
 
   // The result, packed, if an earlier run wrote the front and died before it could say so.
   absl::StatusOr<std::string> FinishedBefore() {
-    std::string packed;
-    MORTISE_RETURN_IF_ERROR(
-        environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-          const auto record = transaction.Get(kFrontKind, id_);
-          if (absl::IsNotFound(record.status())) return absl::OkStatus();
-          MORTISE_RETURN_IF_ERROR(record.status());
-          v1::Front front;
-          if (!front.ParseFromString(record->payload))
-            return absl::InternalError("the stored front cannot be read");
-          front.clear_points();
-          packed = rpc::PackResult(front);
-          return absl::OkStatus();
-        }));
-    return packed;
+    absl::StatusOr<v1::Front> front = kFronts.Get(*environment_.store, FrontName());
+    if (absl::IsNotFound(front.status())) return "";
+    MORTISE_RETURN_IF_ERROR(front.status());
+    front->clear_points();
+    return rpc::PackResult(*front);
   }
 
   // The designs settled when the discovery was asked for.
   absl::Status LoadStart() {
-    if (specification_.start_from().empty()) return absl::OkStatus();
+    if (specification().start_from().empty()) return absl::OkStatus();
     return environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(const auto record, transaction.Get(kStartKind, id_));
       if (!start_.ParseFromString(record.payload))
@@ -113,6 +108,10 @@ class DiscoveryRun {
       return absl::OkStatus();
     });
   }
+
+  const v1::DiscoverySpecification& specification() const { return request_.specification(); }
+
+  std::string FrontName() const { return absl::StrCat("fronts/", id_); }
 
   std::string ResultPrefix() const { return absl::StrCat(id_, "/"); }
 
@@ -176,7 +175,7 @@ class DiscoveryRun {
     options.waiting = [this](std::chrono::seconds waited, int calls) {
       jobs::Progress progress = progress_;
       progress.message = absl::StrCat(
-          "waiting for ", specification_.subject(), ": no answer for ", waited.count(), " s to ",
+          "waiting for ", specification().subject(), ": no answer for ", waited.count(), " s to ",
           calls, calls == 1 ? " call" : " calls", "; its workers may be busy or not running");
       if (!progress_.message.empty())
         absl::StrAppend(&progress.message, "; until then ", progress_.message);
@@ -199,14 +198,14 @@ class DiscoveryRun {
     if (!MayLackSomething(discovery, summary)) return absl::OkStatus();
     if (!default_design_) TryDefault(channel, problem);
     if (!default_design_) return absl::OkStatus();
-    const absl::Status verdict = JudgeSubject(specification_.subject(), summary, *default_design_);
+    const absl::Status verdict = JudgeSubject(specification().subject(), summary, *default_design_);
     if (!verdict.ok()) MORTISE_RETURN_IF_ERROR(ForgetResults());
     return verdict;
   }
 
   // An evaluator that is away is asked again after the next batch.
   void TryDefault(const std::shared_ptr<grpc::Channel>& channel, const DiscoveryProblem& problem) {
-    RemoteEvaluator evaluator(channel, specification_, problem,
+    RemoteEvaluator evaluator(channel, specification(), problem,
                               [this](absl::Duration timeout) { return MakeOrigin(timeout); },
                               {.patience = absl::ZeroDuration(), .longest_call = kTrialPatience});
     const std::stop_callback interrupt(context_.stop_token(), [&] { evaluator.Interrupt(); });
@@ -237,7 +236,7 @@ class DiscoveryRun {
     const AskTell::Summary summary = discovery.summary();
     if (!stopped && summary.failed + summary.violating == summary.evaluations) {
       MORTISE_RETURN_IF_ERROR(ForgetResults());
-      return NoFeasibleDesign(specification_.subject(), problem, discovery);
+      return NoFeasibleDesign(specification().subject(), problem, discovery);
     }
     MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreFront(problem, discovery));
     if (!stopped) {
@@ -256,7 +255,7 @@ class DiscoveryRun {
         summary.failed + summary.violating == summary.evaluations)
       return lost;
     MORTISE_RETURN_IF_ERROR(StoreFront(problem, discovery).status());
-    return WithDetail(absl::Status(lost.code(), absl::StrCat(lost.message(), "; fronts/", id_,
+    return WithDetail(absl::Status(lost.code(), absl::StrCat(lost.message(), "; ", FrontName(),
                                                              " keeps what was found from ",
                                                              summary.evaluations, " designs")),
                       DetailOf(lost));
@@ -266,8 +265,12 @@ class DiscoveryRun {
   absl::StatusOr<std::string> StoreFront(const DiscoveryProblem& problem,
                                          const AskTell& discovery) {
     v1::Front front = MakeFront(problem, discovery);
-    front.set_name(absl::StrCat("fronts/", id_));
-    *front.mutable_specification() = specification_;
+    front.set_name(FrontName());
+    *front.mutable_specification() = specification();
+    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+                             environment_.operations->Get(context_.name()));
+    front.set_creator(operation.creator);
+    resources::CopyTags(request_, &front);
     for (std::string& remark : ChangedAnswers(start_, problem, discovery.archive()))
       front.add_remarks(std::move(remark));
     MORTISE_RETURN_IF_ERROR(Store(front));
@@ -277,8 +280,10 @@ class DiscoveryRun {
 
   absl::Status Store(v1::Front& front) {
     return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
-      front.mutable_create_time()->set_seconds(absl::ToUnixSeconds(transaction.Now()));
-      MORTISE_RETURN_IF_ERROR(transaction.Put(kFrontKind, id_, front.SerializeAsString()).status());
+      *front.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+          absl::ToUnixMicros(transaction.Now()));
+      MORTISE_RETURN_IF_ERROR(
+          transaction.Put(kFronts.kind, id_, front.SerializeAsString()).status());
       MORTISE_RETURN_IF_ERROR(DropResults(transaction));
       store::NewEvent event;
       event.type = "front.created";
@@ -289,7 +294,7 @@ class DiscoveryRun {
   }
 
   absl::Status DropResults(store::Transaction& transaction) {
-    if (!specification_.start_from().empty())
+    if (!specification().start_from().empty())
       MORTISE_RETURN_IF_ERROR(transaction.Delete(kStartKind, id_));
     store::ListOptions list;
     list.key_prefix = ResultPrefix();
@@ -305,7 +310,7 @@ class DiscoveryRun {
   rpc::ServiceEnvironment& environment_;
   jobs::OperationContext& context_;
   std::string id_;
-  v1::DiscoverySpecification specification_;
+  v1::DiscoverFrontRequest request_;
   v1::Front start_;                           // the designs it starts from, see discovery_start.h
   jobs::Progress progress_;                   // told last
   std::optional<Evaluation> default_design_;  // what became of it, once it was tried

@@ -13,11 +13,11 @@
 
 namespace mortise::pareto {
 
-inline constexpr char kFrontKind[] = "fronts";  // records: mortise.v1.Front by front id
 inline constexpr char kEvaluatorPeer[] = "simulator";
 
-// Runs the operation whose request is a serialised mortise.v1.DiscoverySpecification with its
-// revision settled. Writes the front and the event `front.created`, and returns it without points.
+// Runs the operation whose request has its revision settled (discovery_request.h). Writes the
+// front, with the external ids and labels of the request and who started the operation as its
+// creator, and the event `front.created`, and returns it without points.
 absl::StatusOr<std::string> RunDiscoveryOperation(rpc::ServiceEnvironment& environment,
                                                   jobs::OperationContext& context);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/errors.h"
+#include "common/resources/resource_tags.h"
 
 namespace mortise::pareto {
 
@@ -18,6 +19,7 @@ absl::StatusOr<std::shared_ptr<const OpenFront>> FrontCache::Find(
     const std::string& name, const std::function<absl::StatusOr<v1::Front>()>& load) {
   if (auto known = Known(name)) return known;
   MORTISE_ASSIGN_OR_RETURN(v1::Front loaded, load());
+  resources::ClearTags(&loaded);
   auto opened = std::make_shared<const OpenFront>(std::move(loaded));
   const absl::MutexLock lock(&mutex_);
   std::erase_if(kept_, [&](const Kept& kept) { return kept.first == name; });

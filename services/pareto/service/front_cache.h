@@ -15,15 +15,16 @@
 
 namespace mortise::pareto {
 
-// Fronts never change once they are stored, so that what is here is as good as the store's. May be
-// used by many threads.
+// What can be asked about a front never changes once it is stored, so that what is here is as good
+// as the store's. What does change, its external ids and labels, is not kept. May be used by many
+// threads.
 class FrontCache {
  public:
   // Keeps up to `capacity` fronts, at least 1.
   explicit FrontCache(std::size_t capacity) : capacity_(capacity) {}
 
-  // The front `name`: the one kept, else what `load` gives, which is kept if it is one. Several
-  // threads may load the same front at once.
+  // The front `name`, without external ids, labels and creator: the one kept, else what `load`
+  // gives, which is kept if it is one. Several threads may load the same front at once.
   absl::StatusOr<std::shared_ptr<const OpenFront>> Find(
       const std::string& name, const std::function<absl::StatusOr<v1::Front>()>& load);
 
