@@ -62,7 +62,7 @@ absl::StatusOr<EvaluationSubject> FindRegistered(store::Store& store, const std:
                                                  int64_t revision) {
   EvaluationSubject subject{.queue = name};
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator, GetEvaluator(read, name, "subject"));
+    MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator, kEvaluators.Get(read, name, "subject"));
     subject.space = evaluator.space();
     subject.digest = EvaluatorDigest(evaluator);
     return absl::OkStatus();

@@ -1,5 +1,7 @@
 #include "services/simulator/service/evaluator_records.h"
 
+#include <google/protobuf/util/time_util.h>
+
 #include <cmath>
 #include <set>
 
@@ -8,15 +10,14 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
 #include "common/expressions/identifier.h"
-#include "common/resources/record_page.h"
+#include "common/resources/resource_tags.h"
 #include "services/simulator/service/evaluation_tasks.h"
 
 namespace mortise::simulator {
 namespace {
 
-constexpr char kCollection[] = "evaluators";
-constexpr char kEvaluatorKind[] = "evaluators";
 // Records whose revisions count how often an evaluator of a name was created; they outlive it.
 constexpr char kCreationsKind[] = "evaluator-creations";
 constexpr int kMostParameters = 200;
@@ -110,18 +111,14 @@ absl::Status CheckSpace(const v1::DesignSpace& space, const std::string& field) 
   return absl::OkStatus();
 }
 
-// What its maker said of it, without what the service adds.
-std::string Said(v1::Evaluator evaluator) {
+// The content of an evaluator, as its maker gave it: without what the service adds, and without
+// external ids and labels, which may change.
+std::string ContentOf(v1::Evaluator evaluator) {
+  resources::ClearTags(&evaluator);
   evaluator.clear_create_time();
   evaluator.mutable_space()->clear_subject();
   evaluator.mutable_space()->clear_revision();
   return evaluator.SerializeAsString();
-}
-
-absl::StatusOr<v1::Evaluator> Parse(const store::Record& record) {
-  v1::Evaluator evaluator;
-  if (evaluator.ParseFromString(record.payload)) return evaluator;
-  return StorageFailed(absl::StrCat("evaluators/", record.key), "the record cannot be read");
 }
 
 absl::Status CancelTasks(store::Transaction& transaction, const std::string& queue) {
@@ -136,13 +133,10 @@ absl::Status CancelTasks(store::Transaction& transaction, const std::string& que
   }
 }
 
-}  // namespace
-
-bool IsEvaluatorName(const std::string& name) { return absl::StartsWith(name, "evaluators/"); }
-
-absl::Status CheckEvaluator(const v1::Evaluator& evaluator) {
+// All but its external ids and labels.
+absl::Status CheckContent(const v1::Evaluator& evaluator) {
   MORTISE_RETURN_IF_ERROR(
-      ParseResourceName(evaluator.name(), kCollection, "evaluator.name").status());
+      ParseResourceName(evaluator.name(), kEvaluators.names, "evaluator.name").status());
   MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.title(), kLongestTitle, "evaluator.title"));
   MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.version(), kLongestVersion, "evaluator.version"));
   const std::string& subject = evaluator.space().subject();
@@ -155,69 +149,58 @@ absl::Status CheckEvaluator(const v1::Evaluator& evaluator) {
   return CheckSpace(evaluator.space(), "evaluator.space");
 }
 
+}  // namespace
+
+bool IsEvaluatorName(const std::string& name) { return absl::StartsWith(name, "evaluators/"); }
+
+absl::Status CheckEvaluator(const v1::Evaluator& evaluator) {
+  return Together(CheckContent(evaluator),
+                  UnderField("evaluator", resources::ValidateTags(evaluator)));
+}
+
 absl::StatusOr<v1::Evaluator> CreateEvaluator(store::Transaction& transaction,
                                               const v1::Evaluator& evaluator,
-                                              const std::string& trace_id) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id,
-                           ParseResourceName(evaluator.name(), kCollection, "evaluator.name"));
-  const absl::StatusOr<store::Record> there = transaction.Get(kEvaluatorKind, id);
-  if (!there.ok() && !absl::IsNotFound(there.status())) return there.status();
-  if (there.ok()) {
-    MORTISE_ASSIGN_OR_RETURN(v1::Evaluator present, Parse(*there));
-    if (Said(present) == Said(evaluator)) return present;
-    return ResourceExists(evaluator.name());
-  }
+                                              const resources::Author& author) {
+  const absl::StatusOr<v1::Evaluator> there =
+      kEvaluators.Get(transaction, evaluator.name(), "evaluator.name");
+  if (there.ok() && ContentOf(*there) == ContentOf(evaluator)) return there;
+  if (there.ok()) return ResourceExists(evaluator.name());
+  if (!absl::IsNotFound(there.status())) return there.status();
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::string id,
+      ParseResourceName(evaluator.name(), kEvaluators.names, "evaluator.name"));
   v1::Evaluator created = evaluator;
   MORTISE_ASSIGN_OR_RETURN(const int64_t revision, transaction.Put(kCreationsKind, id, ""));
   created.mutable_space()->set_subject(evaluator.name());
   created.mutable_space()->set_revision(revision);
-  const int64_t microseconds = absl::ToUnixMicros(transaction.Now());
-  created.mutable_create_time()->set_seconds(microseconds / 1000000);
-  created.mutable_create_time()->set_nanos(static_cast<int>(microseconds % 1000000) * 1000);
+  created.set_creator(author.user);
+  *created.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+      absl::ToUnixMicros(transaction.Now()));
   MORTISE_RETURN_IF_ERROR(
-      transaction.Put(kEvaluatorKind, id, created.SerializeAsString()).status());
+      transaction.Put(kEvaluators.kind, id, created.SerializeAsString()).status());
   MORTISE_RETURN_IF_ERROR(transaction.AppendEvent({.type = "evaluator.created",
                                                    .subject = created.name(),
                                                    .payload = "{}",
-                                                   .trace_id = trace_id}));
+                                                   .trace_id = author.trace_id}));
   return created;
 }
 
-absl::StatusOr<v1::Evaluator> GetEvaluator(store::ReadTransaction& transaction,
-                                           const std::string& name, const std::string& field) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kCollection, field));
-  const absl::StatusOr<store::Record> record = transaction.Get(kEvaluatorKind, id);
-  if (absl::IsNotFound(record.status())) return ResourceNotFound(name);
-  MORTISE_RETURN_IF_ERROR(record.status());
-  return Parse(*record);
-}
-
-absl::StatusOr<v1::ListEvaluatorsResponse> ListEvaluators(store::ReadTransaction& transaction,
-                                                          const v1::ListEvaluatorsRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
-  MORTISE_ASSIGN_OR_RETURN(
-      auto page, resources::ReadPage<v1::Evaluator>(transaction, {.kind = kEvaluatorKind}, query));
-  v1::ListEvaluatorsResponse response;
-  for (v1::Evaluator& evaluator : page.entries) *response.add_evaluators() = std::move(evaluator);
-  response.set_next_page_token(page.next_page_token);
-  return response;
-}
-
 absl::Status DeleteEvaluator(store::Transaction& transaction, const std::string& name,
-                             const std::string& trace_id) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kCollection, "name"));
-  const absl::Status deleted = transaction.Delete(kEvaluatorKind, id);
+                             const resources::Author& author) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id,
+                           ParseResourceName(name, kEvaluators.names, "name"));
+  const absl::Status deleted = transaction.Delete(kEvaluators.kind, id);
   if (absl::IsNotFound(deleted)) return ResourceNotFound(name);
   MORTISE_RETURN_IF_ERROR(deleted);
   MORTISE_RETURN_IF_ERROR(CancelTasks(transaction, name));
   return transaction.AppendEvent(
-      {.type = "evaluator.deleted", .subject = name, .payload = "{}", .trace_id = trace_id});
+      {.type = "evaluator.deleted", .subject = name, .payload = "{}", .trace_id = author.trace_id});
 }
 
 std::string EvaluatorDigest(const v1::Evaluator& evaluator) {
   v1::Evaluator essence = evaluator;
   essence.clear_title();
-  return Sha256Hex(Said(std::move(essence)));
+  return Sha256Hex(ContentOf(std::move(essence)));
 }
 
 }  // namespace mortise::simulator

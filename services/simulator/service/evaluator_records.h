@@ -5,34 +5,35 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/resources/author.h"
+#include "common/resources/collection.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 
 namespace mortise::simulator {
 
+// Records hold mortise.v1.Evaluator by the evaluator's id.
+inline constexpr resources::Collection<v1::Evaluator> kEvaluators{
+    .names = "evaluators", .kind = "evaluators", .event = "evaluator", .newest_first = false};
+
 // Whether a subject or queue has the form of an evaluator's name: "evaluators/…".
 bool IsEvaluatorName(const std::string& name);
 
-// INVALID_ARGUMENT naming the field, "evaluator.space.parameters[2].minimum", of the first fault.
+// INVALID_ARGUMENT naming the field of the first fault, "evaluator.space.parameters[2].minimum",
+// and those of all that is wrong with external ids and labels, "evaluator.labels".
 absl::Status CheckEvaluator(const v1::Evaluator& evaluator);
 
-// Writes a checked evaluator and tells of it ("evaluator.created"). One that is there and says the
-// same is given as it is; ALREADY_EXISTS if it differs.
+// Writes a checked evaluator and tells of it ("evaluator.created"). One that is there and has the
+// same content (title, version, design space) is given as it is, whatever external ids and labels
+// either has: a worker that begins with it neither fails nor changes them. ALREADY_EXISTS if the
+// content differs.
 absl::StatusOr<v1::Evaluator> CreateEvaluator(store::Transaction& transaction,
                                               const v1::Evaluator& evaluator,
-                                              const std::string& trace_id);
-
-// NOT_FOUND; INVALID_ARGUMENT naming `field`.
-absl::StatusOr<v1::Evaluator> GetEvaluator(store::ReadTransaction& transaction,
-                                           const std::string& name, const std::string& field);
-
-// By name. INVALID_ARGUMENT naming page_size or page_token.
-absl::StatusOr<v1::ListEvaluatorsResponse> ListEvaluators(store::ReadTransaction& transaction,
-                                                          const v1::ListEvaluatorsRequest& asked);
+                                              const resources::Author& author);
 
 // Removes it and cancels its unfinished tasks ("evaluator.deleted"). NOT_FOUND.
 absl::Status DeleteEvaluator(store::Transaction& transaction, const std::string& name,
-                             const std::string& trace_id);
+                             const resources::Author& author);
 
 // A digest of everything that results depend on: name, version and design space.
 std::string EvaluatorDigest(const v1::Evaluator& evaluator);

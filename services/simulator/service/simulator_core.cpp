@@ -63,7 +63,7 @@ absl::StatusOr<std::vector<FoundTask>> SimulatorCore::Enqueue(
       // One that is deleted meanwhile would leave a task that no worker can get.
       const std::string queue = QueueOf(task.key);
       if (IsEvaluatorName(queue) && evaluators.insert(queue).second) {
-        MORTISE_RETURN_IF_ERROR(GetEvaluator(transaction, queue, "subject").status());
+        MORTISE_RETURN_IF_ERROR(kEvaluators.Get(transaction, queue, "subject").status());
       }
     }
     MORTISE_ASSIGN_OR_RETURN(found, FindOrEnqueue(transaction, wanted));
@@ -134,14 +134,14 @@ absl::StatusOr<std::vector<store::Task>> SimulatorCore::Lease(const std::string&
 // looked for.
 absl::Status SimulatorCore::Remember(store::ReadTransaction& transaction, const std::string& queue,
                                      const std::vector<store::Task>& leased) {
-  if (leased.empty()) return GetEvaluator(transaction, queue, "evaluator").status();
+  if (leased.empty()) return kEvaluators.Get(transaction, queue, "evaluator").status();
   for (const store::Task& task : leased) {
     LentTask lent;
     if (!lent.task.ParseFromString(task.payload)) continue;  // its report will tell
     lent.evaluator = lent_tasks_.FindEvaluator(lent.task.digest());
     if (lent.evaluator == nullptr) {
       MORTISE_ASSIGN_OR_RETURN(v1::Evaluator evaluator,
-                               GetEvaluator(transaction, queue, "evaluator"));
+                               kEvaluators.Get(transaction, queue, "evaluator"));
       // Another of the same name, since the task was queued: its report will tell.
       if (EvaluatorDigest(evaluator) != lent.task.digest()) continue;
       lent.evaluator = lent_tasks_.PutEvaluator(lent.task.digest(), std::move(evaluator));

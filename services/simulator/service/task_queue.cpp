@@ -1,5 +1,3 @@
-#include "services/simulator/service/task_queue.h"
-
 #include <algorithm>
 #include <mutex>
 #include <string>
@@ -18,6 +16,7 @@
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/service/task_codec.h"
 #include "services/simulator/service/task_progress.h"
+#include "services/simulator/service/task_queue.h"
 
 namespace mortise::simulator {
 namespace {
@@ -46,7 +45,7 @@ absl::StatusOr<std::string> KnownQueueName(store::Store& store, const std::strin
   MORTISE_ASSIGN_OR_RETURN(std::string queue, QueueName(evaluator));
   if (queue == kSimulatorQueue) return queue;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) {
-    return GetEvaluator(read, queue, "evaluator").status();
+    return kEvaluators.Get(read, queue, "evaluator").status();
   }));
   return queue;
 }
@@ -162,7 +161,7 @@ class Report {
       return StorageFailed(absl::StrCat("tasks/", key_), "the task cannot be read");
     }
     MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator,
-                             GetEvaluator(transaction, queue_, "task.name"));
+                             kEvaluators.Get(transaction, queue_, "task.name"));
     fault_ = CompleteResult(task, evaluator.space(), *report.mutable_result());
     return absl::OkStatus();
   }
