@@ -9,28 +9,22 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/design/parameter_values.h"
-#include "common/files/evaluation_settings.h"
-#include "common/files/template_codec.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/bell.h"
 #include "common/operations/operation_kinds.h"
 #include "common/operations/operations.h"
+#include "common/resources/resource_tags.h"
 #include "common/store/store.h"
-#include "services/simulator/analysis/design_analysis.h"
+#include "mortise/v1/simulator.pb.h"
+#include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/service/task_progress.h"
-#include "services/simulator/worker/design_conditions.h"
-#include "services/simulator/worker/mesh_case.h"
-#include "services/simulator/worker/subject_metrics.h"
-#include "services/simulator/worker/template_model.h"
 
 namespace mortise::simulator {
 namespace {
 
 constexpr absl::Duration kLookForCancel = absl::Milliseconds(100);
 constexpr absl::Duration kLookForProgress = absl::Milliseconds(500);
-constexpr int kMaximumModes = 100;
 constexpr int kInteractivePriority = 10;  // a person waits for it; batches can wait
 
 // The id at the end of "operations/simulator/{id}": the analysis takes it over, so that a resumed
@@ -167,13 +161,26 @@ absl::StatusOr<store::Task> RunTask(const Run& run, const std::string& key,
   }
 }
 
+// What the operation's worker reported, as the resource that the task was to make.
+v1::Analysis AnalysisOf(const jobs::Operation& operation, const v1::Task& task,
+                        const v1::ReportTaskRequest& report) {
+  v1::Analysis analysis = report.analysis();
+  analysis.set_name(absl::StrCat("analyses/", IdOf(operation.name)));
+  analysis.set_template_(task.subject());
+  analysis.set_template_revision(task.revision());
+  analysis.set_mesh_file(task.mesh_file());
+  *analysis.mutable_metrics() = report.result().metrics();
+  analysis.set_creator(operation.creator);
+  resources::CopyTags(task, &analysis);
+  return analysis;
+}
+
 absl::StatusOr<std::string> Analyse(const Run& run) {
   jobs::OperationContext& context = run.context;
   v1::Task task;
   if (!task.ParseFromString(context.request())) {
     return absl::InternalError("the stored request cannot be read");
   }
-  const std::string id = IdOf(context.name());
   const std::string key = KeyOf(context.name());
   ProgressView progress(run, key);
   MORTISE_ASSIGN_OR_RETURN(const store::Task finished,
@@ -185,110 +192,18 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
   if (!report.ParseFromString(finished.result)) {
     return absl::InternalError("the worker's result cannot be read");
   }
-  v1::Analysis analysis = report.analysis();
-  analysis.set_name(absl::StrCat("analyses/", id));
-  analysis.set_template_(task.subject());
-  analysis.set_template_revision(task.revision());
-  analysis.set_mesh_file(task.mesh_file());
-  *analysis.mutable_metrics() = report.result().metrics();
+  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, run.operations.Get(context.name()));
+  const v1::Analysis analysis = AnalysisOf(operation, task, report);
+  v1::Analysis kept;
   MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
-    const int64_t microseconds = absl::ToUnixMicros(transaction.Now());
-    analysis.mutable_create_time()->set_seconds(microseconds / 1000000);
-    analysis.mutable_create_time()->set_nanos(static_cast<int>(microseconds % 1000000) * 1000);
-    MORTISE_RETURN_IF_ERROR(
-        transaction.Put(kAnalysisKind, id, analysis.SerializeAsString()).status());
-    return transaction.AppendEvent({.type = "analysis.created",
-                                    .subject = analysis.name(),
-                                    .payload = "{}",
-                                    .trace_id = task.trace_id()});
+    MORTISE_ASSIGN_OR_RETURN(kept, KeepAnalysis(transaction, analysis, task.trace_id()));
+    return absl::OkStatus();
   }));
   progress.TellEnd();
-  return rpc::PackResult(analysis);
+  return rpc::PackResult(kept);
 }
 
 }  // namespace
-
-absl::StatusOr<v1::Task> PrepareAnalysis(SimulatorCore& core, const v1::AnalyzeDesignRequest& asked,
-                                         const rpc::Origin& origin) {
-  MORTISE_RETURN_IF_ERROR(parametric::CheckMeshSettings(asked.mesh()));
-  MORTISE_RETURN_IF_ERROR(parametric::ReadAirflow(asked.airflow()).status());
-  if (asked.modes() < 0 || asked.modes() > kMaximumModes) {
-    return InvalidField("modes", absl::StrCat("must be 0 to ", kMaximumModes));
-  }
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
-      core.templates().Get(asked.template_(), asked.template_revision(), origin);
-  if (!compiled.ok() && DetailOf(compiled.status()).field == "subject") {
-    return InvalidField("template", std::string(compiled.status().message()));
-  }
-  MORTISE_RETURN_IF_ERROR(compiled.status());
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd parameters,
-                           parametric::Complete((*compiled)->function->parameters(),
-                                                parametric::FromProto(asked.parameters())));
-  // Fails at once, with the field, where the geometry is impossible or nothing holds it.
-  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
-                           (*compiled)->function->Evaluate(parameters));
-  const bool has_heat = HasHeat(design);
-  const bool has_loads = IsLoaded(design) || (!has_heat && !asked.has_airflow());
-  if (has_loads) MORTISE_RETURN_IF_ERROR(CheckSupported(design));
-  if (has_heat) MORTISE_RETURN_IF_ERROR(CheckHeated(design));
-  v1::Task task;
-  task.set_evaluator(kSimulatorQueue);
-  task.set_subject((*compiled)->name);
-  task.set_revision((*compiled)->revision);
-  task.set_digest((*compiled)->digest);
-  for (const double value : parameters) task.mutable_point()->add_parameters(value);
-  for (const MetricDescription& metric : OfferedMetrics()) {
-    const bool is_asked = (metric.source != MetricSource::kModes || asked.modes() > 0) &&
-                          (metric.source != MetricSource::kHeat || has_heat) &&
-                          (metric.source != MetricSource::kAirflow || asked.has_airflow()) &&
-                          (metric.source != MetricSource::kLoads || has_loads);
-    if (is_asked) task.add_metrics(metric.name);
-  }
-  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own,
-                           CustomMetricsOf(**compiled, {}));
-  for (const parametric::MetricDefinition& metric : own.metrics()) {
-    const MetricDemands demands = DemandsOf({metric.name}, own);
-    const bool is_asked = (!demands.modes || asked.modes() > 0) && (!demands.heat || has_heat) &&
-                          (!demands.loads || has_loads) &&
-                          (!demands.airflow || asked.has_airflow());
-    if (is_asked) task.add_metrics(metric.name);
-  }
-  task.set_modes(asked.modes());
-  task.set_fields(true);
-  task.set_solver(asked.solver());
-  *task.mutable_mesh() = asked.mesh();
-  if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
-  return task;
-}
-
-absl::StatusOr<v1::Task> PrepareMeshAnalysis(SimulatorCore& core,
-                                             const v1::AnalyzeMeshRequest& asked,
-                                             const rpc::Origin& origin) {
-  v1::Task task;
-  task.set_evaluator(kSimulatorQueue);
-  task.set_fields(true);
-  task.set_mesh_file(asked.mesh_file());
-  v1::MeshCase& mesh_case = *task.mutable_case_();
-  mesh_case = asked.case_();
-  for (int i = 0; i < mesh_case.materials_size(); ++i) {
-    v1::MeshMaterial& use = *mesh_case.mutable_materials(i);
-    if (!use.has_material()) continue;
-    MORTISE_ASSIGN_OR_RETURN(const v1::Material material, core.GetMaterial(use.material(), origin));
-    UseCatalogMaterial(material, use);
-  }
-  MORTISE_RETURN_IF_ERROR(CheckMeshCase(mesh_case, "case"));
-  return task;
-}
-
-absl::StatusOr<v1::Operation> StartAnalysis(jobs::Operations& operations, const v1::Task& task,
-                                            const rpc::Call& call,
-                                            store::Transaction& transaction) {
-  MORTISE_ASSIGN_OR_RETURN(
-      const jobs::Operation operation,
-      operations.Start(transaction, rpc::OperationOf(call, jobs::kAnalysisOperation, task.subject(),
-                                                     task.SerializeAsString())));
-  return rpc::ToProto(operation);
-}
 
 void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
   operations.Register(
@@ -297,20 +212,6 @@ void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<Simula
         return Analyse({*core, operations, context});
       },
       CancelTask);
-}
-
-absl::StatusOr<v1::Analysis> ReadAnalysis(store::Store& store, const std::string& id) {
-  v1::Analysis analysis;
-  const absl::Status status = store.Read([&](store::ReadTransaction& read) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(const store::Record record, read.Get(kAnalysisKind, id));
-    if (!analysis.ParseFromString(record.payload)) {
-      return StorageFailed("analyses/" + id, "the record cannot be read");
-    }
-    return absl::OkStatus();
-  });
-  if (absl::IsNotFound(status)) return ResourceNotFound("analyses/" + id);
-  if (!status.ok()) return status;
-  return analysis;
 }
 
 }  // namespace mortise::simulator

@@ -12,6 +12,7 @@
 #include "common/rpc/dispatcher.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/service/analysis_operation.h"
+#include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/evaluation_tasks.h"
 #include "services/simulator/service/task_progress.h"
 
@@ -47,12 +48,10 @@ absl::Status AddOperations(jobs::Operations& operations, FileUse& use) {
 absl::Status AddAnalyses(store::ReadTransaction& read, FileUse& use) {
   store::ListOptions list{.limit = kPage};
   while (true) {
-    MORTISE_ASSIGN_OR_RETURN(const auto page, read.List(kAnalysisKind, list));
+    MORTISE_ASSIGN_OR_RETURN(const auto page, read.List(kAnalyses.kind, list));
     for (const store::Record& record : page) {
-      v1::Analysis analysis;
-      if (!analysis.ParseFromString(record.payload)) {
-        return StorageFailed("analyses/" + record.key, "the record cannot be read");
-      }
+      MORTISE_ASSIGN_OR_RETURN(const auto analysis,
+                               resources::ParseRecord<v1::Analysis>(kAnalyses.kind, record));
       use.named.insert(analysis.mesh_file());
       for (const v1::Artifact& artifact : analysis.artifacts()) use.named.insert(artifact.sha256());
     }

@@ -10,6 +10,7 @@
 #include "common/store/store.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/service/analysis_operation.h"
+#include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/evaluation_tasks.h"
 #include "services/simulator/service/task_progress.h"
 #include "tests/unit/common/store/store_conformance.h"
@@ -89,7 +90,7 @@ TEST_P(FileUpkeepTest, WhatAnAnalysisNamesStays) {
   analysis.set_mesh_file(Upload("mesh"));
   analysis.add_artifacts()->set_sha256(Upload("picture"));
   InTransaction([&](store::Transaction& transaction) {
-    return transaction.Put(kAnalysisKind, "finished", analysis.SerializeAsString()).status();
+    return transaction.Put(kAnalyses.kind, "finished", analysis.SerializeAsString()).status();
   });
   ahead_ = absl::Hours(1000);
   EXPECT_EQ(RemoveFiles(), 0);

@@ -1,3 +1,5 @@
+#include "services/simulator/service/task_methods.h"
+
 #include <algorithm>
 #include <mutex>
 #include <string>
@@ -16,9 +18,8 @@
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/service/task_codec.h"
 #include "services/simulator/service/task_progress.h"
-#include "services/simulator/service/task_queue.h"
 
-namespace mortise::simulator {
+namespace mortise::simulator::methods {
 namespace {
 
 constexpr std::size_t kLongestTaskKey = 128;
@@ -176,7 +177,7 @@ class Report {
 
 }  // namespace
 
-absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
+absl::Status LeaseTasks(const Simulator& simulator, const rpc::Call& call,
                         const v1::LeaseTasksRequest& asked,
                         rpc::Responder<v1::LeaseTasksResponse> respond) {
   MORTISE_ASSIGN_OR_RETURN(const std::string queue, QueueName(asked.evaluator()));
@@ -202,6 +203,7 @@ absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
     if (std::exchange(waiting->answered, true)) return;
     waiting->respond(v1::LeaseTasksResponse());
   });
+  SimulatorCore& core = *simulator.core;
   core.WhenWork(queue, deadline,
                 [&core, waiting, queue, worker = asked.worker(), limit = asked.limit(), lease,
                  deadline, call](bool others_wait) {
@@ -223,7 +225,7 @@ absl::Status LeaseTasks(SimulatorCore& core, const rpc::Call& call,
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
+absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(const Simulator& simulator, const rpc::Call&,
                                                     const v1::RenewLeasesRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const absl::Duration lease,
                            Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
@@ -243,7 +245,7 @@ absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
   v1::RenewLeasesResponse response;
   for (int i = 0; i < asked.tasks_size(); ++i) {
     const v1::TaskAttempt& attempt = asked.tasks(i);
-    const absl::Status status = core.store()->Transact(
+    const absl::Status status = simulator.core->store()->Transact(
         [&](store::Transaction& transaction) -> absl::Status {
           MORTISE_RETURN_IF_ERROR(
               transaction.RenewLease(QueueOf(keys[i]), keys[i], attempt.attempt(), lease));
@@ -260,11 +262,12 @@ absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(SimulatorCore& core,
   return response;
 }
 
-absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::BlobFolder& blobs,
+absl::StatusOr<v1::ReportTaskResponse> ReportTask(const Simulator& simulator, const rpc::Call&,
                                                   const v1::ReportTaskRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
-  Report report(asked, key, blobs, core.lent_tasks());
+  SimulatorCore& core = *simulator.core;
+  Report report(asked, key, *simulator.blobs, core.lent_tasks());
   store::Task task;
   MORTISE_RETURN_IF_ERROR(core.store()->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
@@ -282,15 +285,21 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(SimulatorCore& core, store::Bl
   return v1::ReportTaskResponse();
 }
 
-absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
+absl::Status RefuseReport(const Simulator& simulator, const rpc::Call& call,
+                          const v1::ReportTaskRequest& asked) {
+  return ReportTask(simulator, call, asked).status();
+}
+
+absl::StatusOr<v1::QueueStatus> GetQueueStatus(const Simulator& simulator, const rpc::Call&,
                                                const v1::GetQueueStatusRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string queue,
-                           KnownQueueName(*core.store(), asked.evaluator()));
+                           KnownQueueName(*simulator.core->store(), asked.evaluator()));
   store::QueueDepth depth;
-  MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(depth, read.Depth(queue));
-    return absl::OkStatus();
-  }));
+  MORTISE_RETURN_IF_ERROR(
+      simulator.core->store()->Read([&](store::ReadTransaction& read) -> absl::Status {
+        MORTISE_ASSIGN_OR_RETURN(depth, read.Depth(queue));
+        return absl::OkStatus();
+      }));
   v1::QueueStatus status;
   status.set_queued(depth.queued);
   status.set_leased(depth.leased);
@@ -299,38 +308,40 @@ absl::StatusOr<v1::QueueStatus> GetQueueStatus(SimulatorCore& core,
   return status;
 }
 
-absl::StatusOr<v1::ListTasksResponse> ListTasks(SimulatorCore& core,
+absl::StatusOr<v1::ListTasksResponse> ListTasks(const Simulator& simulator, const rpc::Call&,
                                                 const v1::ListTasksRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::string queue,
-                           KnownQueueName(*core.store(), asked.evaluator()));
+                           KnownQueueName(*simulator.core->store(), asked.evaluator()));
   MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(asked));
   v1::ListTasksResponse response;
-  MORTISE_RETURN_IF_ERROR(core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
-    response.Clear();
-    resources::PageRoom room(query.size);
-    std::string after = query.after;
-    std::string last;
-    // The store lists by key; states are picked out here, some tasks at a time.
-    while (true) {
-      MORTISE_ASSIGN_OR_RETURN(const auto tasks,
-                               read.ListTasks(queue, {.after_key = after, .limit = kListedAtOnce}));
-      for (const store::Task& task : tasks) {
-        v1::ListTasksResponse::TaskAndError entry = EntryOf(task);
-        const bool is_wanted =
-            asked.state() == v1::TASK_STATE_UNSPECIFIED || entry.task().state() == asked.state();
-        if (!is_wanted) continue;
-        if (!room.Take(entry.ByteSizeLong())) {
-          response.set_next_page_token(last);
-          return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(
+      simulator.core->store()->Read([&](store::ReadTransaction& read) -> absl::Status {
+        response.Clear();
+        resources::PageRoom room(query.size);
+        std::string after = query.after;
+        std::string last;
+        // The store lists by key; states are picked out here, some tasks at a time.
+        while (true) {
+          MORTISE_ASSIGN_OR_RETURN(
+              const auto tasks,
+              read.ListTasks(queue, {.after_key = after, .limit = kListedAtOnce}));
+          for (const store::Task& task : tasks) {
+            v1::ListTasksResponse::TaskAndError entry = EntryOf(task);
+            const bool is_wanted = asked.state() == v1::TASK_STATE_UNSPECIFIED ||
+                                   entry.task().state() == asked.state();
+            if (!is_wanted) continue;
+            if (!room.Take(entry.ByteSizeLong())) {
+              response.set_next_page_token(last);
+              return absl::OkStatus();
+            }
+            last = task.key;
+            *response.add_tasks() = std::move(entry);
+          }
+          if (static_cast<int>(tasks.size()) < kListedAtOnce) return absl::OkStatus();
+          after = tasks.back().key;
         }
-        last = task.key;
-        *response.add_tasks() = std::move(entry);
-      }
-      if (static_cast<int>(tasks.size()) < kListedAtOnce) return absl::OkStatus();
-      after = tasks.back().key;
-    }
-  }));
+      }));
   return response;
 }
 
-}  // namespace mortise::simulator
+}  // namespace mortise::simulator::methods

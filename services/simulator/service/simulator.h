@@ -1,0 +1,22 @@
+// What the methods of SimulatorService stand on.
+#pragma once
+
+namespace mortise::jobs {
+class Operations;
+}
+namespace mortise::store {
+class BlobFolder;
+}
+
+namespace mortise::simulator {
+
+class SimulatorCore;
+
+// All of it outlives the calls.
+struct Simulator {
+  SimulatorCore* core;       // the store, the queue and who waits for it, the catalog
+  store::BlobFolder* blobs;  // files of meshes and analyses
+  jobs::Operations* operations;
+};
+
+}  // namespace mortise::simulator
