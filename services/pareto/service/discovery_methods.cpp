@@ -65,10 +65,10 @@ absl::StatusOr<v1::Operation> DiscoverFront(const Pareto& pareto, const rpc::Cal
                                             store::Transaction& transaction) {
   MORTISE_ASSIGN_OR_RETURN(
       const jobs::Operation started,
-      pareto.operations->Start(transaction,
-                               rpc::OperationOf(call, jobs::kDiscoveryOperation,
-                                                settled.request.specification().subject(),
-                                                settled.request.SerializeAsString())));
+      pareto.operations->Start(
+          transaction,
+          rpc::OperationOf(call, jobs::kDiscoveryOperation,
+                           settled.request.specification().subject(), settled.request)));
   if (!settled.start.points().empty()) {
     const std::string id = started.name.substr(started.name.rfind('/') + 1);
     MORTISE_RETURN_IF_ERROR(

@@ -107,7 +107,7 @@ absl::Status AddMetrics(const CompiledTemplate& compiled, const Physics& physics
   for (const MetricDescription& metric : OfferedMetrics()) {
     if (physics.Gives(metric.source)) task.add_metrics(metric.name);
   }
-  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, OwnMetricsOf(compiled, {}));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, CustomMetricsOf(compiled, {}));
   for (const parametric::MetricDefinition& metric : own.metrics()) {
     if (physics.Meets(DemandsOf({metric.name}, own))) task.add_metrics(metric.name);
   }
@@ -119,9 +119,8 @@ absl::StatusOr<v1::Operation> Start(const Simulator& simulator, const rpc::Call&
   task.set_trace_id(call.identity().trace_id);
   MORTISE_ASSIGN_OR_RETURN(
       const jobs::Operation operation,
-      simulator.operations->Start(transaction,
-                                  rpc::OperationOf(call, jobs::kAnalysisOperation, task.subject(),
-                                                   task.SerializeAsString())));
+      simulator.operations->Start(
+          transaction, rpc::OperationOf(call, jobs::kAnalysisOperation, task.subject(), task)));
   return rpc::ToProto(operation);
 }
 
