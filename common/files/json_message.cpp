@@ -86,7 +86,8 @@ class Cleaner {
   // Whether there is anything left of it.
   bool CleanField(Json& value, const FieldDescriptor& field, const std::string& place) {
     if (value.is_null()) return true;
-    if (!field.is_repeated() || field.is_map()) return CleanValue(value, field, place);
+    if (field.is_map()) return CleanMap(value, field, place);
+    if (!field.is_repeated()) return CleanValue(value, field, place);
     if (!value.is_array()) return Fail(place, "must be a list");
     for (std::size_t i = 0; i < value.size(); ++i) {
       // The others keep their places.
@@ -99,19 +100,38 @@ class Cleaner {
     return true;
   }
 
+  // Entries are named by their keys: labels["customer"].
+  bool CleanMap(Json& map, const FieldDescriptor& field, const std::string& place) {
+    if (!map.is_object()) return Fail(place, "must be an object");
+    for (auto entry = map.begin(); entry != map.end();) {
+      if (CanBeRead({{entry.key(), entry.value()}}, field)) {
+        ++entry;
+        continue;
+      }
+      Fail(absl::StrCat(place, "[\"", entry.key(), "\"]"),
+           Refusal(entry.value(), *field.message_type()->map_value()));
+      entry = map.erase(entry);
+    }
+    return true;
+  }
+
+  // What is said of a value that the field cannot have.
+  static std::string Refusal(const Json& value, const FieldDescriptor& field) {
+    const std::string shown = value.is_primitive() ? value.dump() + " " : "";
+    return absl::StrCat(shown.size() > kMostShown ? "" : shown, Wanted(field));
+  }
+
   bool CleanValue(Json& value, const FieldDescriptor& field, const std::string& place) {
     const bool is_message = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-    const bool is_plain = is_message && !field.is_map() &&
-                          !absl::StartsWith(field.message_type()->full_name(), "google.protobuf.");
+    const bool is_plain =
+        is_message && !absl::StartsWith(field.message_type()->full_name(), "google.protobuf.");
     if (is_plain) {
       if (!value.is_object()) return Fail(place, "must be an object");
       CleanObject(value, *field.message_type(), place);
       return true;
     }
     if (CanBeRead(value, field)) return true;
-    std::string shown = value.is_primitive() ? value.dump() + " " : "";
-    if (shown.size() > kMostShown) shown.clear();
-    Fail(place, absl::StrCat(shown, Wanted(field)));
+    Fail(place, Refusal(value, field));
     if (field.cpp_type() != FieldDescriptor::CPPTYPE_DOUBLE) return false;
     value = "NaN";  // as unread numbers are
     return true;

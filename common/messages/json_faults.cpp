@@ -189,7 +189,15 @@ class Walk : public nlohmann::json_sax<Json> {
 
   std::vector<FieldViolation> TakeFaults() { return std::move(faults_); }
 
-  bool null() override { return frames_.empty() ? Scalar(nullptr) : Next(); }
+  bool null() override {
+    if (frames_.empty()) return Scalar(nullptr);
+    const Frame& frame = frames_.back();
+    // Protobuf's reader takes it for an entry with an empty value.
+    if (frame.kind == Frame::Kind::kMap) {
+      Add(absl::StrCat("null ", Wanted(*frame.field)), Weight::kAlways);
+    }
+    return Next();
+  }
   bool boolean(bool value) override { return Scalar(value); }
   bool number_integer(number_integer_t value) override { return Scalar(value); }
   bool number_unsigned(number_unsigned_t value) override { return Scalar(value); }
@@ -394,6 +402,25 @@ FieldViolation ToldFirst(std::string_view message) {
   return told;
 }
 
+// `path` up to the first map on it: protobuf's reader counts the entries of maps, which have no
+// order, so that "labels[1].value" tells nobody which one it is.
+std::string UpToMap(const std::string& path, const Descriptor& type) {
+  const Descriptor* holder = &type;
+  std::size_t begin = 0;
+  while (holder != nullptr && begin < path.size()) {
+    const std::size_t end = path.find_first_of(".[", begin);
+    const std::size_t length = end == std::string::npos ? end : end - begin;
+    const FieldDescriptor* const field = FieldOf(*holder, path.substr(begin, length));
+    if (field == nullptr) return path;
+    if (field->is_map()) return path.substr(0, end);
+    const std::size_t dot = path.find('.', begin);
+    if (dot == std::string::npos) return path;
+    begin = dot + 1;
+    holder = field->message_type();
+  }
+  return path;
+}
+
 bool LiesIn(std::string_view path, std::string_view field) {
   return path.starts_with(field) && (path.size() == field.size() || field.empty() ||
                                      path[field.size()] == '.' || path[field.size()] == '[');
@@ -409,6 +436,7 @@ std::vector<FieldViolation> JsonFaults(std::string_view json, const Descriptor& 
   if (read.ok() || faults.size() >= kMost) return faults;
   const auto message = read.message();
   FieldViolation first = ToldFirst(std::string_view(message.data(), message.size()));
+  first.field = UpToMap(first.field, type);
   // What the walk did not know to be one.
   const bool is_told = std::any_of(faults.begin(), faults.end(), [&](const FieldViolation& fault) {
     return LiesIn(fault.field, first.field) || LiesIn(first.field, fault.field);

@@ -24,8 +24,9 @@ namespace mortise {
 // NaN and the infinities are no numbers of JSON, but texts; where they stand as bare words, the
 // field is named with how to write them, and nothing behind it is looked at.
 //
-// Whatever `read` is, it is a fault to give a field or a key twice, also by both of its names, and
-// to write what is not quite JSON, such as names without quotes. Takes time in proportion to the
+// Whatever `read` is, it is a fault to give a field or a key twice, also by both of its names, to
+// give a key of a map the value null, and to write what is not quite JSON, such as names without
+// quotes. Takes time in proportion to the
 // text's length, and less than reading it did.
 std::vector<FieldViolation> JsonFaults(std::string_view json,
                                        const google::protobuf::Descriptor& type,

@@ -80,6 +80,16 @@ TEST(JsonFaults, NamesFieldsThatAreThereTwice) {
               ElementsAre("name", "name", "parts[0].w", "parts[0].w", "parts[0].w"));
 }
 
+TEST(JsonFaults, NamesEntriesByTheirKeys) {
+  EXPECT_THAT(
+      FieldsOf<v1::TemplateBundle>(R"({"items": [{"labels": {"a": 1, "b": "2", "c": []}},
+      {"labels": {"d": null}}, {"labels": []}, {"labels": "e"}, {"labels": {"f": "", "f": ""}}]})"),
+      ElementsAre("items[0].labels[\"a\"]", "items[0].labels[\"c\"]", "items[1].labels[\"d\"]",
+                  "items[2].labels", "items[3].labels", "items[4].labels[\"f\"]"));
+  EXPECT_THAT(FieldsOf<v1::Item>(R"({"labels": {"d": null}})"), ElementsAre("labels[\"d\"]"));
+  EXPECT_THAT(FieldsOf<v1::Item>(R"({"externalIds": ["1"], "labels": {"a.b/c": ""}})"), IsEmpty());
+}
+
 TEST(JsonFaults, TakesWhatTheReaderTakes) {
   for (const char* json :
        {R"({})", R"({"name": null, "parts": null})",
@@ -212,6 +222,15 @@ TEST(TextFaults, GoesAsFarAsTheTextCanBeUnderstood) {
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "parts {";
   EXPECT_THAT(TextFaults(deep, *v1::Assembly::descriptor()), SizeIs(2));
+}
+
+TEST(TextFaults, KnowsWhatEntriesHave) {
+  EXPECT_THAT(PlacesOf<v1::Item>("labels { key: \"a\" value: 1 }\n"
+                                 "labels { key: \"b\" worth: \"2\" }\n"
+                                 "labels: \"c\"\n"),
+              ElementsAre("1:26", "2:19", "3:9"));
+  EXPECT_THAT(PlacesOf<v1::Item>("labels { key: \"a\" value: \"1\" } labels { key: \"b\" }"),
+              IsEmpty());
 }
 
 TEST(TextFaults, TellsNothingOfWhatCanBeRead) {

@@ -50,5 +50,26 @@ TEST(OpenApi, WritesTypesAsTheirJsonForm) {
   EXPECT_TRUE(document["paths"].contains("/events"));
 }
 
+TEST(OpenApi, LabelsAreObjectsOfTexts) {
+  const auto contract = Contract::Load();
+  const Json document = Json::parse(OpenApiDocument(*contract, "1"));
+  const Json& schemas = document["components"]["schemas"];
+  for (const char* const type :
+       {"Material", "Item", "Template", "Assembly", "Evaluator", "Front", "Analysis", "Plan",
+        "WorkOrder", "Webhook", "Operation", "CreatePlanRequest", "ResourceFilter"}) {
+    const Json& labels = schemas[std::string("mortise.v1.") + type]["properties"]["labels"];
+    EXPECT_EQ(labels["type"], "object") << type;
+    EXPECT_EQ(labels["additionalProperties"], Json({{"type", "string"}})) << type;
+  }
+  const Json& ids = schemas["mortise.v1.Plan"]["properties"]["externalIds"];
+  EXPECT_EQ(ids["items"]["type"], "string");
+  const Json& filter = schemas["mortise.v1.ListPlansRequest"]["properties"]["filter"];
+  EXPECT_EQ(filter["$ref"], "#/components/schemas/mortise.v1.ResourceFilter");
+  // Entries of maps are no types of their own.
+  for (const auto& [name, schema] : schemas.items()) {
+    EXPECT_EQ(name.find("LabelsEntry"), std::string::npos) << name;
+  }
+}
+
 }  // namespace
 }  // namespace mortise::gateway

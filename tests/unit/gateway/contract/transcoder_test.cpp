@@ -12,6 +12,7 @@
 #include "gateway/contract/contract.h"
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/events.pb.h"
+#include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/operations.pb.h"
 #include "mortise/v1/types.pb.h"
 
@@ -57,6 +58,40 @@ TEST_F(TranscoderTest, ReadsTheResultOfAnOperation) {
   const auto json = transcoder_.ToJson(Type("Operation"), operation.SerializeAsString());
   ASSERT_TRUE(json.ok()) << json.status();
   EXPECT_EQ(nlohmann::json::parse(*json)["result"]["currency"], "EUR");
+}
+
+TEST_F(TranscoderTest, ReadsAndWritesLabels) {
+  const nlohmann::json request = {{"template", "templates/table"},
+                                  {"externalIds", {"100-4711/A", "2"}},
+                                  {"labels", {{"customer", "acme & sons"}, {"draft", ""}}}};
+  const auto binary = transcoder_.ToBinary(Type("CreatePlanRequest"), request.dump());
+  ASSERT_TRUE(binary.ok()) << binary.status();
+  v1::CreatePlanRequest read;
+  ASSERT_TRUE(read.ParseFromString(*binary));
+  EXPECT_EQ(read.labels().size(), 2u);
+  EXPECT_EQ(read.labels().at("customer"), "acme & sons");
+  EXPECT_EQ(read.labels().at("draft"), "");
+  const auto json = transcoder_.ToJson(Type("CreatePlanRequest"), *binary);
+  ASSERT_TRUE(json.ok()) << json.status();
+  EXPECT_EQ(nlohmann::json::parse(*json), request);
+}
+
+TEST_F(TranscoderTest, NamesLabelsAtFault) {
+  const auto field = [this](const std::string& type, const std::string& json) {
+    const absl::Status refused = Failure(type, json);
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << json;
+    return DetailOf(refused).field;
+  };
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":{"a":"1","b":2}})"), "labels[\"b\"]");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":{"a":{"b":"c"}}})"), "labels[\"a\"]");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":{"a":["b"]}})"), "labels[\"a\"]");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":{"a":null}})"), "labels[\"a\"]");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":{"a":"1","a":"2"}})"), "labels[\"a\"]");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":["a"]})"), "labels");
+  EXPECT_EQ(field("CreatePlanRequest", R"({"labels":"a=1"})"), "labels");
+  EXPECT_EQ(field("UpdatePlanRequest", R"({"plan":{"labels":{"a":1}}})"), "plan.labels[\"a\"]");
+  EXPECT_EQ(field("ListPlansRequest", R"({"filter":{"labels":{"a":1}}})"), "filter.labels[\"a\"]");
+  EXPECT_EQ(field("ListPlansRequest", R"({"filter":{"label":{}}})"), "filter.label");
 }
 
 TEST_F(TranscoderTest, NamesUnknownFields) {
