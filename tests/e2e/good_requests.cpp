@@ -129,6 +129,10 @@ constexpr Example kExamples[] = {
     {"EvaluatorService/ListEvaluators", "page_size: 10"},
     {"EvaluatorService/DeleteEvaluator", "request_id: 'bad-41' name: 'evaluators/none'",
      Outcome::kRefused},
+    {"EvaluatorService/UpdateEvaluator",
+     "request_id: 'bad-45' evaluator { name: 'evaluators/none' external_ids: '100-4711/A' } "
+     "update_mask { paths: 'external_ids' }",
+     Outcome::kRefused},
     {"SimulatorService/AnalyzeDesign",
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
      "mesh { element_size: 0.3 linear: true } "
@@ -152,6 +156,9 @@ constexpr Example kExamples[] = {
      Outcome::kChanges},
     {"SimulatorService/GetAnalysis", "name: '{analysis}'"},
     {"SimulatorService/ListAnalyses", "page_size: 10"},
+    {"SimulatorService/UpdateAnalysis",
+     "request_id: 'bad-46' analysis { name: 'analyses/none' labels { key: 'a' value: 'b' } }",
+     Outcome::kRefused},
     {"SimulatorService/DownloadArtifact", "name: '{analysis}' file_name: 'stress.png'"},
     {"SimulatorService/LeaseTasks", "evaluator: 'evaluators/none' worker: 'nobody' limit: 1",
      Outcome::kRefused},
@@ -166,10 +173,15 @@ constexpr Example kExamples[] = {
     {"SimulatorService/DownloadBlob", "sha256: '{mesh}'"},
     {"SimulatorService/GetQueueStatus", "evaluator: 'simulator'"},
     {"SimulatorService/ListTasks", "page_size: 10 state: DONE"},
-    {"ParetoService/DiscoverFront", "request_id: 'bad-7' specification { {discovery} }",
+    {"ParetoService/DiscoverFront",
+     "request_id: 'bad-7' specification { {discovery} } external_ids: '100-4711/A' "
+     "labels { key: 'customer' value: 'acme' }",
      Outcome::kChanges},
     {"ParetoService/GetFront", "name: '{front}'"},
     {"ParetoService/ListFronts", "page_size: 10"},
+    {"ParetoService/UpdateFront",
+     "request_id: 'bad-47' front { name: 'fronts/none' labels { key: 'a' value: 'b' } }",
+     Outcome::kRefused},
     {"ParetoService/PickPoint",
      "name: '{front}' metric { name: 'mass' unit: 'kg' value: 20 } improve: 'mass' steps: 2"},
     {"ParetoService/RestrictFront",
