@@ -6,12 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "cli/client/field_sources.h"
+#include "cli/client/filter_options.h"
 #include "cli/client/requests.h"
 #include "common/base/errors.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -26,12 +28,14 @@ struct ListOptions {
   std::string elasticity;
   std::string item;
   std::string text;
+  FilterOptions filter;
 };
 
 // What is listed, and the entries so far.
 struct Listing {
   v1::CatalogService::Stub& stub;
   const GatewayClient& client;
+  v1::ResourceFilter filter;
   bool with_document = false;
   std::vector<std::vector<std::string>> rows = {};
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -58,11 +62,12 @@ absl::StatusOr<int> ParseWord(const google::protobuf::EnumDescriptor& words,
   return InvalidField(field, absl::StrCat("'", text, "' is none of ", names));
 }
 
-FieldSources SourcesOf(const ListOptions&) {
+FieldSources SourcesOf(const ListOptions& options) {
   FieldSources sources;
   for (const char* field : {"kind", "material", "elasticity", "item", "text"}) {
     sources.Add(field, absl::StrCat("--", field));
   }
+  AddSources(options.filter, sources);
   return sources;
 }
 
@@ -96,6 +101,7 @@ absl::Status ListMaterials(const ListOptions& options, Listing& listing) {
                                      "elasticity", options.elasticity));
   filters.set_elasticity(static_cast<v1::ListMaterialsRequest::Elasticity>(elasticity));
   filters.set_text(options.text);
+  *filters.mutable_filter() = listing.filter;
   return ListAll<v1::ListMaterialsRequest, v1::ListMaterialsResponse>(
       listing.client, [&](auto... a) { return listing.stub.ListMaterials(a...); },
       [&](const v1::ListMaterialsResponse& page) {
@@ -116,6 +122,7 @@ absl::Status ListItems(const ListOptions& options, Listing& listing) {
     filters.set_material(ResourceName("materials", options.material));
   }
   filters.set_text(options.text);
+  *filters.mutable_filter() = listing.filter;
   return ListAll<v1::ListItemsRequest, v1::ListItemsResponse>(
       listing.client, [&](auto... a) { return listing.stub.ListItems(a...); },
       [&](const v1::ListItemsResponse& page) {
@@ -131,6 +138,7 @@ absl::Status ListTemplates(const ListOptions& options, Listing& listing) {
   filters.set_kind(static_cast<v1::ListTemplatesRequest::Kind>(kind));
   if (!options.item.empty()) filters.set_item(ResourceName("items", options.item));
   filters.set_text(options.text);
+  *filters.mutable_filter() = listing.filter;
   return ListAll<v1::ListTemplatesRequest, v1::ListTemplatesResponse>(
       listing.client, [&](auto... a) { return listing.stub.ListTemplates(a...); },
       [&](const v1::ListTemplatesResponse& page) {
@@ -170,9 +178,10 @@ absl::Status CheckFilters(const ListOptions& options, const std::string& what) {
 absl::Status List(const ListOptions& options, Session& session, Output& output) {
   const std::string what = Subject(options);
   MORTISE_RETURN_IF_ERROR(CheckFilters(options, what));
+  MORTISE_ASSIGN_OR_RETURN(v1::ResourceFilter filter, ParseFilter(options.filter));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
-  Listing listing{*stub, *client, !output.text()};
+  Listing listing{*stub, *client, std::move(filter), !output.text()};
   MORTISE_RETURN_IF_ERROR(what == "materials" ? ListMaterials(options, listing)
                           : what == "items"   ? ListItems(options, listing)
                                               : ListTemplates(options, listing));
@@ -199,6 +208,7 @@ void AddCatalogList(CLI::App& catalog, Session& session) {
   list->add_option("--text", filter->text,
                    "Only those with these words in id or title, of items also standard or "
                    "designation, of templates also description");
+  AddFilterOptions(*list, filter->filter);
   list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
   list->callback([&session, filter] {
     session.command = [filter](Session& s, Output& o) {

@@ -1,9 +1,13 @@
 #include "cli/client/generic_call.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
@@ -73,6 +77,19 @@ absl::Status CallGeneric(const GatewayClient& client, const std::string& method,
       },
       seconds);
   return answered ? status : last;
+}
+
+absl::Status CallMethod(const GatewayClient& client,
+                        const google::protobuf::MethodDescriptor& method,
+                        const google::protobuf::Message& request,
+                        google::protobuf::Message& response) {
+  constexpr double kSeconds = 60;
+  const std::string path = absl::StrCat("/", method.service()->full_name(), "/", method.name());
+  bool is_read = true;
+  MORTISE_RETURN_IF_ERROR(CallGeneric(
+      client, path, request.SerializeAsString(), kSeconds,
+      [&](const std::string& bytes) { return is_read = response.ParseFromString(bytes); }));
+  return is_read ? absl::OkStatus() : absl::InternalError(absl::StrCat("no answer of ", path));
 }
 
 }  // namespace mortise::cli

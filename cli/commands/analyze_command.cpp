@@ -11,6 +11,7 @@
 #include "cli/client/field_sources.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
+#include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
 #include "cli/files/mesh_analysis.h"
 #include "cli/files/metric_definitions.h"
@@ -41,6 +42,7 @@ struct AnalyzeOptions {
   std::string wind;            // with it, the air around the design besides
   int air_cells = 0;           // likewise
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
+  TagOptions tags;
   std::filesystem::path out;
   bool detach = false;
 };
@@ -61,6 +63,7 @@ FieldSources SourcesOf(const AnalyzeOptions& options) {
   sources.Add("modes", "--modes");
   sources.Add("airflow.wind", "--wind");
   sources.Add("airflow.cells", "--air-cells");
+  AddSources(options.tags, sources);
   // The evaluator speaks of points in the template's order, not of names.
   sources.Add("points[0].parameters", "--set");
   return sources;
@@ -94,9 +97,10 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
-  MORTISE_ASSIGN_OR_RETURN(const std::optional<v1::Analysis> done,
-                           AnalyzeMeshFiles({options.subject, options.mesh, SolverOf(options)},
-                                            session.Work(options.detach), *stub, *client, output));
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::Analysis> done,
+      AnalyzeMeshFiles({options.subject, options.mesh, SolverOf(options), options.tags},
+                       session.Work(options.detach), *stub, *client, output));
   if (!done) return absl::OkStatus();
   const v1::Analysis& analysis = *done;
   PrintMeshAnalysis(analysis, output);
@@ -140,6 +144,10 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   }
   if (!options.solver.empty()) {
     return InvalidField("--solver", "is for a whole analysis, not for --metric and --define");
+  }
+  if (!options.tags.empty()) {
+    return InvalidField(options.tags.labels.empty() ? "--external-id" : "--label",
+                        "is for a whole analysis: --metric makes nothing to find again");
   }
   if (!options.out.empty()) {
     return InvalidField("--out", "is for a whole analysis: --metric makes no files");
@@ -206,6 +214,7 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.set_modes(options.modes);
   request.set_solver(SolverOf(options));
   MORTISE_RETURN_IF_ERROR(ReadAirflow(options, request));
+  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
   }
@@ -290,6 +299,7 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
                       "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
   analyze->add_option("--out", options->out,
                       "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
+  AddTagOptions(*analyze, options->tags);
   AddDetach(*analyze, options->detach)
       ->excludes("--out")
       ->excludes("--metric")

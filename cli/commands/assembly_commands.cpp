@@ -15,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "cli/client/field_sources.h"
+#include "cli/client/filter_options.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -35,6 +36,20 @@ struct AdjustOptions {
   std::filesystem::path step;
   std::filesystem::path glb;
 };
+
+struct ListOptions {
+  std::string item;
+  std::string text;
+  FilterOptions filter;
+};
+
+FieldSources SourcesOf(const ListOptions& options) {
+  FieldSources sources;
+  sources.Add("item", "--item");
+  sources.Add("text", "--text");
+  AddSources(options.filter, sources);
+  return sources;
+}
 
 struct SampleOptions {
   std::string subject;
@@ -105,7 +120,11 @@ std::string MeasureText(const v1::Measure& measure) {
 
 // ---- The commands -------------------------------------------------------------------------------
 
-absl::Status List(const v1::ListAssembliesRequest& filters, Session& session, Output& output) {
+absl::Status List(const ListOptions& options, Session& session, Output& output) {
+  v1::ListAssembliesRequest filters;
+  if (!options.item.empty()) filters.set_item(ResourceName("items", options.item));
+  filters.set_text(options.text);
+  MORTISE_ASSIGN_OR_RETURN(*filters.mutable_filter(), ParseFilter(options.filter));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -295,6 +314,21 @@ absl::Status Sample(const SampleOptions& options, Session& session, Output& outp
   return absl::OkStatus();
 }
 
+void AddList(CLI::App& assembly, Session& session) {
+  CLI::App* list = assembly.add_subcommand("list", "List the assemblies");
+  auto options = std::make_shared<ListOptions>();
+  list->add_option("--item", options->item, "Only those that use this item");
+  list->add_option("--text", options->text,
+                   "Only those with these words in id, title or description");
+  AddFilterOptions(*list, options->filter);
+  list->footer("Example: mortise assembly list --text table");
+  list->callback([&session, options] {
+    session.command = [options](Session& s, Output& o) {
+      return SourcesOf(*options).Name(List(*options, s, o));
+    };
+  });
+}
+
 }  // namespace
 
 void AddAssemblyCommands(CLI::App& app, Session& session) {
@@ -305,23 +339,7 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
   AddAssemblyFileCommands(*assembly, session);
   AddAssemblyDelete(*assembly, session);
 
-  CLI::App* list = assembly->add_subcommand("list", "List the assemblies");
-  auto item = std::make_shared<std::string>();
-  auto text = std::make_shared<std::string>();
-  list->add_option("--item", *item, "Only those that use this item");
-  list->add_option("--text", *text, "Only those with these words in id, title or description");
-  list->footer("Example: mortise assembly list --text table");
-  list->callback([&session, item, text] {
-    session.command = [item, text](Session& s, Output& o) {
-      v1::ListAssembliesRequest filters;
-      if (!item->empty()) filters.set_item(ResourceName("items", *item));
-      filters.set_text(*text);
-      FieldSources sources;
-      sources.Add("item", "--item");
-      sources.Add("text", "--text");
-      return sources.Name(List(filters, s, o));
-    };
-  });
+  AddList(*assembly, session);
 
   auto name = std::make_shared<std::string>();
   CLI::App* show = assembly->add_subcommand("show", "What of an assembly can be changed, how far");

@@ -54,6 +54,9 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddParetoCommands(app, session);
   AddPlanCommand(app, session);
   AddFabCommands(app, session);
+  AddListCommand(app, session);
+  AddFindCommand(app, session);
+  AddLabelCommand(app, session);
   AddOperationCommands(app, session);
   AddEventsCommand(app, session);
   AddCallCommand(app, session);

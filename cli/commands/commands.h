@@ -20,7 +20,10 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
 void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
 void AddPlanCommand(CLI::App& app, Session& session);                // plan
-void AddFabCommands(CLI::App& app, Session& session);        // fab release|watch|show|hold|resume
+void AddFabCommands(CLI::App& app, Session& session);   // fab release|list|watch|show|hold|resume
+void AddListCommand(CLI::App& app, Session& session);   // list
+void AddLabelCommand(CLI::App& app, Session& session);  // label
+void AddFindCommand(CLI::App& app, Session& session);   // find
 void AddOperationCommands(CLI::App& app, Session& session);  // operations list|show|watch|cancel
 void AddEventsCommand(CLI::App& app, Session& session);      // events
 void AddDemoCommand(CLI::App& app, Session& session);        // demo

@@ -7,9 +7,12 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/client/field_sources.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
+#include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/list_command.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
@@ -68,16 +71,30 @@ void PrintCutOrder(const v1::WorkOrder& order, Output& output) {
   output.DocumentOf(order);
 }
 
-absl::Status Release(const std::string& plan, bool detach, Session& session, Output& output) {
+struct ReleaseOptions {
+  std::string plan;
+  TagOptions tags;
+  bool detach = false;
+};
+
+FieldSources SourcesOf(const ReleaseOptions& options) {
+  FieldSources sources;
+  sources.Add("plan", "plan");
+  AddSources(options.tags, sources);
+  return sources;
+}
+
+absl::Status Release(const ReleaseOptions& options, Session& session, Output& output) {
   v1::ReleaseWorkOrderRequest request;
   request.set_request_id(NewIdentifier());
-  request.set_plan(ResourceName("plans", plan));
+  request.set_plan(ResourceName("plans", options.plan));
+  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(
       const std::optional<v1::WorkOrder> order,
       RunTo<v1::WorkOrder>(
-          *client, CuttingWork(session, detach),
+          *client, CuttingWork(session, options.detach),
           [&](grpc::ClientContext& context, v1::Operation* operation) {
             return rpc::FromGrpc(stub->ReleaseWorkOrder(&context, request, operation));
           },
@@ -218,24 +235,29 @@ void AddResume(CLI::App& fab, Session& session) {
   });
 }
 
+void AddRelease(CLI::App& fab, Session& session) {
+  auto options = std::make_shared<ReleaseOptions>();
+  CLI::App* release = fab.add_subcommand("release", "Give a plan to the machines and follow it");
+  release->add_option("plan", options->plan, "Plan, such as plans/0198c1")->required();
+  AddTagOptions(*release, options->tags);
+  AddDetach(*release, options->detach);
+  release->footer(
+      "Example: mortise fab release plans/0198c1\n"
+      "Ctrl-C leaves the machines cutting; `mortise fab hold` pauses them");
+  release->callback([&session, options] {
+    session.command = [options](Session& s, Output& o) {
+      return SourcesOf(*options).Name(Release(*options, s, o));
+    };
+  });
+}
+
 }  // namespace
 
 void AddFabCommands(CLI::App& app, Session& session) {
   CLI::App* fab = app.add_subcommand("fab", "Work orders");
   fab->require_subcommand(1);
-  auto plan = std::make_shared<std::string>();
-  auto detach = std::make_shared<bool>(false);
-  CLI::App* release = fab->add_subcommand("release", "Give a plan to the machines and follow it");
-  release->add_option("plan", *plan, "Plan, such as plans/0198c1")->required();
-  AddDetach(*release, *detach);
-  release->footer(
-      "Example: mortise fab release plans/0198c1\n"
-      "Ctrl-C leaves the machines cutting; `mortise fab hold` pauses them");
-  release->callback([&session, plan, detach] {
-    session.command = [plan, detach](Session& s, Output& o) {
-      return Release(*plan, *detach, s, o);
-    };
-  });
+  AddRelease(*fab, session);
+  AddListOf(*fab->add_subcommand("list", "Work orders, newest first"), "workOrders", session);
 
   auto name = std::make_shared<std::string>();
   CLI::App* watch = fab->add_subcommand("watch", "Follow a work order to its end");

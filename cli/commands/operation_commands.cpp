@@ -14,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "cli/client/field_sources.h"
+#include "cli/client/filter_options.h"
 #include "cli/client/long_work.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -31,15 +32,17 @@ struct ListOptions {
   std::string service;
   std::string kind;
   std::string subject;
+  FilterOptions filter;
   int limit = 50;
 };
 
-FieldSources SourcesOf(const ListOptions&) {
+FieldSources SourcesOf(const ListOptions& options) {
   FieldSources sources;
   sources.Add("states", "--state");
   sources.Add("service", "--service");
   sources.Add("kind", "--kind");
   sources.Add("subject", "--subject");
+  AddSources(options.filter, sources);
   return sources;
 }
 
@@ -84,7 +87,7 @@ std::string Age(const google::protobuf::Timestamp& since) {
   return absl::StrFormat("%.0f d", seconds / 86400);
 }
 
-v1::ListOperationsRequest RequestOf(const ListOptions& options) {
+absl::StatusOr<v1::ListOperationsRequest> RequestOf(const ListOptions& options) {
   v1::ListOperationsRequest request;
   for (const std::string& state : options.states) {
     v1::Operation::State value = v1::Operation::STATE_UNSPECIFIED;
@@ -99,11 +102,12 @@ v1::ListOperationsRequest RequestOf(const ListOptions& options) {
   request.set_kind(options.kind);
   request.set_subject(options.subject);
   request.set_omit_results(true);
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_filter(), ParseFilter(options.filter));
   return request;
 }
 
 absl::Status List(const ListOptions& options, Session& session, Output& output) {
-  v1::ListOperationsRequest request = RequestOf(options);
+  MORTISE_ASSIGN_OR_RETURN(v1::ListOperationsRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::OperationService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
@@ -234,6 +238,7 @@ void AddList(CLI::App& operations, Session& session) {
   list->add_option("--kind", options->kind, "Only of this kind, such as pareto.discovery");
   list->add_option("--subject", options->subject,
                    "Only those that work on this, such as templates/table");
+  AddFilterOptions(*list, options->filter);
   list->add_option("--limit", options->limit, "At most so many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
+#include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
 #include "cli/files/metric_definitions.h"
 #include "common/base/errors.h"
@@ -39,6 +40,7 @@ struct RunOptions {
   int evaluations = 0;
   std::int64_t seed = 1;
   std::string surrogate;
+  TagOptions tags;
   std::filesystem::path out;
   bool detach = false;
 };
@@ -329,6 +331,8 @@ absl::Status Run(const RunOptions& options, FieldSources& sources, Session& sess
   v1::DiscoverFrontRequest request;
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options, sources));
+  AddSources(options.tags, sources);
+  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(
@@ -379,6 +383,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
                   "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}));
   run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");
+  AddTagOptions(*run, run_options->tags);
   AddDetach(*run, run_options->detach)->excludes("--out");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "

@@ -9,6 +9,7 @@
 #include "cli/client/field_sources.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
+#include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -23,6 +24,7 @@ struct PlanOptions {
   std::vector<std::string> parameters;
   int quantity = 1;
   std::string kerf, board_trim, sheet_trim, sheet_spacing;
+  TagOptions tags;
   std::filesystem::path out;
   bool detach = false;
 };
@@ -35,6 +37,7 @@ FieldSources SourcesOf(const PlanOptions& options) {
   sources.Add("rules.board_trim", "--board-trim");
   sources.Add("rules.sheet_trim", "--sheet-trim");
   sources.Add("rules.sheet_spacing", "--sheet-spacing");
+  AddSources(options.tags, sources);
   return sources;
 }
 
@@ -100,6 +103,7 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
   MORTISE_RETURN_IF_ERROR(AddRules(options, request));
+  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::FabPlannerService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(
@@ -145,6 +149,7 @@ void AddPlanCommand(CLI::App& app, Session& session) {
   plan->add_option("--sheet-spacing", options->sheet_spacing,
                    "Least distance between outlines on a sheet; 10mm if absent");
   plan->add_option("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
+  AddTagOptions(*plan, options->tags);
   AddDetach(*plan, options->detach)->excludes("--out");
   plan->footer("Example: mortise plan table --set length=1500mm --out out/plan");
   plan->callback([&session, options] {

@@ -11,6 +11,7 @@
 #include "cli/client/gateway_client.h"
 #include "cli/client/long_work.h"
 #include "cli/client/output.h"
+#include "cli/client/tag_options.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 
 namespace mortise::cli {
@@ -20,6 +21,7 @@ struct MeshFiles {
   std::filesystem::path case_file;
   std::filesystem::path mesh_file;
   v1::SolverKind solver;  // instead of the case's own, unless it is unspecified
+  TagOptions tags = {};   // of the analysis
 };
 
 // Uploads the mesh, analyses the case and waits for the result, unless it is to run detached. What

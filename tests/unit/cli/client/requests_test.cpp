@@ -1,16 +1,21 @@
 // What people write for requests, and what they read of results.
 #include "cli/client/requests.h"
 
+#include <google/protobuf/dynamic_message.h>
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cli/client/decimal_flags.h"
 #include "cli/client/json_input.h"
+#include "cli/client/output.h"
 #include "common/base/errors.h"
+#include "mortise/v1/fabplanner.pb.h"
 
 namespace mortise::cli {
 namespace {
@@ -100,6 +105,28 @@ std::string TextOf(double value, const std::string& unit) {
   metric.set_value(value);
   metric.set_unit(unit);
   return MetricText(metric);
+}
+
+// As `mortise call` reads and prints messages whose types it learns from the gateway.
+TEST(Requests, LabelsAreJsonObjects) {
+  google::protobuf::DynamicMessageFactory factory;
+  const std::unique_ptr<google::protobuf::Message> request(
+      factory.GetPrototype(v1::CreatePlanRequest::descriptor())->New());
+  const absl::Status read =
+      ReadJson(R"({"external_ids": ["100-4711/A"], "labels": {"customer": "acme", "draft": ""}})",
+               "request", *request);
+  ASSERT_TRUE(read.ok()) << read;
+  v1::CreatePlanRequest sent;
+  ASSERT_TRUE(sent.ParseFromString(request->SerializeAsString()));
+  EXPECT_EQ(sent.external_ids(0), "100-4711/A");
+  EXPECT_EQ(sent.labels().at("customer"), "acme");
+  EXPECT_TRUE(sent.labels().contains("draft"));
+  EXPECT_EQ(ToJson(*request)["labels"],
+            (nlohmann::ordered_json{{"customer", "acme"}, {"draft", ""}}));
+  EXPECT_EQ(DetailOf(ReadJson(R"({"labels": {"customer": 7}})", "request", *request)).field,
+            "request: labels[\"customer\"]");
+  EXPECT_EQ(DetailOf(ReadJson(R"({"labels": ["customer=acme"]})", "request", *request)).field,
+            "request: labels");
 }
 
 TEST(Requests, MetricsHaveUnitsThatPeopleUse) {

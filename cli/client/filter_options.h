@@ -1,0 +1,50 @@
+// The flags that say which resources of a list are wanted, by what every resource has: said once
+// for all commands that list.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "cli/client/field_sources.h"
+#include "mortise/v1/types.pb.h"
+
+namespace CLI {
+class App;
+}
+
+namespace mortise::cli {
+
+// What the flags were given, as it was typed; what is empty was not given.
+struct FilterOptions {
+  std::string external_id;
+  std::vector<std::string> labels;  // KEY=VALUE, or KEY for any value
+  std::string creator;              // "ada" or "users/ada"
+  std::string since;
+  std::string before;
+};
+
+// Adds the flags to a command: --external-id, --label, --creator, --since and --before.
+void AddFilterOptions(CLI::App& command, FilterOptions& options);
+
+// The time that a person means by a text:
+// - "2026-11-26", "2026-11-26T20:25", "2026-11-26T20:25:30.5", with "Z" or "+01:00" behind it or
+//   else in `zone` (ISO 8601); a date is its first moment;
+// - "90s", "15min", "2h", "7d" or "3w": so long before `now`.
+// INVALID_ARGUMENT naming `field` with these forms for others, and for what is before the year 1
+// or after 9999.
+absl::StatusOr<absl::Time> ParseTime(const std::string& text, const std::string& field,
+                                     absl::Time now, absl::TimeZone zone);
+
+// The filter as lists take it. INVALID_ARGUMENT naming the flag at fault.
+absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options, absl::Time now,
+                                               absl::TimeZone zone);
+
+// The same at this moment, with times in the zone of this machine.
+absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options);
+
+// The fields of a list's request that the flags give.
+void AddSources(const FilterOptions& options, FieldSources& sources);
+
+}  // namespace mortise::cli
