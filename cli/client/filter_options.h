@@ -18,11 +18,11 @@ namespace mortise::cli {
 
 // What the flags were given, as it was typed; what is empty was not given.
 struct FilterOptions {
-  std::string external_id;
-  std::vector<std::string> labels;  // KEY=VALUE, or KEY for any value
-  std::string creator;              // "ada" or "users/ada"
-  std::string since;
-  std::string before;
+  std::string external_id = {};
+  std::vector<std::string> labels = {};  // KEY=VALUE, or KEY for any value
+  std::string creator = {};              // "ada" or "users/ada"
+  std::string since = {};
+  std::string before = {};
 };
 
 // Adds the flags to a command: --external-id, --label, --creator, --since and --before.

@@ -43,8 +43,8 @@ absl::StatusOr<Resource> GetResource(const GatewayClient& client, const Resource
                                      const std::string& name);
 
 struct Tags {
-  std::vector<std::string> external_ids;
-  std::map<std::string, std::string> labels;
+  std::vector<std::string> external_ids = {};
+  std::map<std::string, std::string> labels = {};
 
   bool operator==(const Tags&) const = default;
 };

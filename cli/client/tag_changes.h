@@ -10,9 +10,9 @@
 namespace mortise::cli {
 
 struct TagChanges {
-  std::vector<std::string> labels;                // KEY=VALUE to set one, KEY- to take one away
-  std::vector<std::string> external_ids;          // to add
-  std::vector<std::string> removed_external_ids;  // to take away
+  std::vector<std::string> labels = {};        // KEY=VALUE to set one, KEY- to take one away
+  std::vector<std::string> external_ids = {};  // to add
+  std::vector<std::string> removed_external_ids = {};  // to take away
 
   bool empty() const {
     return labels.empty() && external_ids.empty() && removed_external_ids.empty();

@@ -17,8 +17,8 @@ namespace mortise::cli {
 
 // What the flags were given, as it was typed.
 struct TagOptions {
-  std::vector<std::string> external_ids;  // --external-id TEXT, again for more
-  std::vector<std::string> labels;        // --label KEY=VALUE, again for more
+  std::vector<std::string> external_ids = {};  // --external-id TEXT, again for more
+  std::vector<std::string> labels = {};        // --label KEY=VALUE, again for more
 
   bool empty() const { return external_ids.empty() && labels.empty(); }
 };

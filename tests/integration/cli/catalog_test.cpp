@@ -59,6 +59,11 @@ class CatalogCommand : public ::testing::Test {
   // The document of `mortise catalog ARGUMENTS`.
   absl::StatusOr<Json> Run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "catalog");
+    return RunAny(arguments);
+  }
+
+  // The document of `mortise ARGUMENTS`.
+  absl::StatusOr<Json> RunAny(const std::vector<std::string>& arguments) {
     Output output(Output::Form::kSilent);
     MORTISE_RETURN_IF_ERROR(RunCommandLine(arguments, session_, output));
     return Json::parse(output.last_document());
@@ -243,6 +248,56 @@ TEST_F(CatalogCommand, DeletesWhatNothingUses) {
   EXPECT_EQ(Names({"items"}), (std::vector<std::string>{"items/bolt", "items/ring"}));
   EXPECT_EQ(Run({"delete", "items/peg"}).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(Run({"delete", "table"}).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(CatalogCommand, ExternalIdsAndLabelsComeWithFiles) {
+  Changes({File("items.csv", kItems)});
+  Json items = *Run({"list", "items"});
+  items[0]["external_ids"] = {"100-4711/A", "[2]"};
+  items[0]["labels"] = {{"customer", "acme"}, {"draft", ""}};
+  EXPECT_EQ(Changes({File("items.json", items.dump(2))}),
+            (std::vector<std::string>{"updated", "none", "none"}));
+  const auto bolt = Run({"show", "items/bolt"});
+  ASSERT_TRUE(bolt.ok()) << bolt.status();
+  EXPECT_EQ((*bolt)["external_ids"], items[0]["external_ids"]);
+  EXPECT_EQ((*bolt)["labels"], items[0]["labels"]);
+  EXPECT_EQ((*bolt)["creator"], "users/developer");
+  items[0]["labels"] = {{"customer", 7}};
+  items[1]["labels"] = {{"-", "x"}};
+  EXPECT_THAT(Refusal({"import", File("faulty.json", items.dump(2))}),
+              AllOf(HasSubstr("items[0].labels[\"customer\"]"), HasSubstr("7 must be a text")));
+}
+
+TEST_F(CatalogCommand, ExternalIdsAndLabelsAreChangedAndFound) {
+  Changes({File("items.csv", kItems)});
+  const auto labelled =
+      RunAny({"label", "items/bolt", "customer=acme", "draft=", "--external-id", "100-4711/A"});
+  ASSERT_TRUE(labelled.ok()) << labelled.status();
+  EXPECT_EQ((*labelled)["revision"], "2");
+  ASSERT_TRUE(RunAny({"label", "materials/steel", "customer=acme"}).ok());
+  using Expected = std::vector<std::string>;
+  EXPECT_EQ(Names({"items", "--label", "customer=acme"}), Expected{"items/bolt"});
+  EXPECT_EQ(Names({"items", "--label", "draft", "--external-id", "100-4711/A"}),
+            Expected{"items/bolt"});
+  EXPECT_EQ(Names({"items", "--label", "customer=b"}), Expected{});
+  EXPECT_EQ(Names({"items", "--external-id", "100-4711"}), Expected{});
+  EXPECT_EQ(Names({"items", "--creator", "developer", "--since", "1h"}).size(), 3u);
+  EXPECT_EQ(Names({"items", "--creator", "ada"}), Expected{});
+  EXPECT_EQ(Names({"items", "--before", "2020-01-01"}), Expected{});
+  const auto found = RunAny({"find", "100-4711/A"});  // of what this process has
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->size(), 1u);
+  EXPECT_EQ((*found)[0]["name"], "items/bolt");
+  EXPECT_EQ(RunAny({"list", "materials", "--label", "customer"})->size(), 1u);
+  const auto cleared =
+      RunAny({"label", "items/bolt", "customer-", "draft-", "--no-external-id", "100-4711/A"});
+  ASSERT_TRUE(cleared.ok()) << cleared.status();
+  EXPECT_EQ((*cleared)["labels"], Json::object());
+  EXPECT_EQ(RunAny({"find", "100-4711/A"})->size(), 0u);
+  // What a label may not be is the service's to say, and told by what was typed.
+  const absl::Status refused = RunAny({"label", "items/bolt", "a b=1"}).status();
+  EXPECT_EQ(DetailOf(refused).field, "change") << refused;
+  EXPECT_EQ(DetailOf(Run({"list", "items", "--label", "a b"}).status()).field, "--label");
 }
 
 TEST_F(CatalogCommand, ListsWhatTheFiltersSay) {

@@ -4,12 +4,15 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
-#include <map>
+#include <algorithm>
+#include <chrono>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "cli/commands/command_line.h"
 #include "common/base/errors.h"
 #include "common/resources/resource_tags.h"
@@ -218,9 +221,9 @@ class PlayedOperations final : public v1::OperationService::Service {
   std::vector<v1::ListOperationsRequest> asked;
 };
 
-class Tags : public ::testing::Test {
+class TagCommands : public ::testing::Test {
  protected:
-  Tags() {
+  TagCommands() {
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
@@ -231,7 +234,7 @@ class Tags : public ::testing::Test {
     server_ = builder.BuildAndStart();
     session_.gateway.address = "127.0.0.1:" + std::to_string(port);
   }
-  ~Tags() override { server_->Shutdown(std::chrono::system_clock::now()); }
+  ~TagCommands() override { server_->Shutdown(std::chrono::system_clock::now()); }
 
   absl::StatusOr<Json> Run(const std::vector<std::string>& arguments) {
     Output output(Output::Form::kSilent);
@@ -263,7 +266,7 @@ void ExpectTagged(const Request& request) {
   EXPECT_EQ(request.labels().at("customer"), "acme");
 }
 
-TEST_F(Tags, AreGivenToWhatCommandsMake) {
+TEST_F(TagCommands, AreGivenToWhatCommandsMake) {
   const std::vector<std::vector<std::string>> commands = {
       {"plan", "table"},
       {"fab", "release", "plans/1"},
@@ -285,7 +288,7 @@ TEST_F(Tags, AreGivenToWhatCommandsMake) {
   ExpectTagged(pareto_.discoveries[0]);
 }
 
-TEST_F(Tags, FaultsOfWhatIsMadeNameTheFlag) {
+TEST_F(TagCommands, FaultsOfWhatIsMadeNameTheFlag) {
   EXPECT_EQ(FieldOfFailure({"pareto", "run", "table", "--minimize", "mass", "--label", "bad=1"}),
             "--label");
   EXPECT_EQ(
@@ -296,7 +299,7 @@ TEST_F(Tags, FaultsOfWhatIsMadeNameTheFlag) {
   EXPECT_EQ(FieldOfFailure({"analyze", "table", "--metric", "mass", "--label", "a=1"}), "--label");
 }
 
-TEST_F(Tags, FilterLists) {
+TEST_F(TagCommands, FilterLists) {
   const std::vector<std::string> filter = {"--external-id", "x",  "--label",   "customer=acme",
                                            "--label",       "a",  "--creator", "ada",
                                            "--since",       "2h", "--before",  "2200-01-01"};
@@ -334,7 +337,7 @@ TEST_F(Tags, FilterLists) {
   expect_filter(fabplanner_.asked[1].filter());
 }
 
-TEST_F(Tags, ListsHaveAllPagesUpToALimit) {
+TEST_F(TagCommands, ListsHaveAllPagesUpToALimit) {
   const auto names = [](const absl::StatusOr<Json>& list) {
     EXPECT_TRUE(list.ok()) << list.status();
     std::vector<std::string> found;
@@ -347,7 +350,7 @@ TEST_F(Tags, ListsHaveAllPagesUpToALimit) {
   EXPECT_EQ(pareto_.asked.back().page_size(), 1);
 }
 
-TEST_F(Tags, FaultsOfListsNameTheFlag) {
+TEST_F(TagCommands, FaultsOfListsNameTheFlag) {
   EXPECT_EQ(FieldOfFailure({"list", "fronts", "--label", "bad=1"}), "--label");
   EXPECT_EQ(FieldOfFailure({"list", "fronts", "--since", "yesterday"}), "--since");
   EXPECT_EQ(FieldOfFailure({"list", "fronts", "--state", "held"}), "--state");
@@ -358,7 +361,7 @@ TEST_F(Tags, FaultsOfListsNameTheFlag) {
   EXPECT_EQ(FieldOfFailure({"operations", "list", "--label", "="}), "--label");
 }
 
-TEST_F(Tags, AreFoundInEveryKindThatMayBeSeen) {
+TEST_F(TagCommands, AreFoundInEveryKindThatMayBeSeen) {
   catalog_.item.add_external_ids("100-4711/A");
   const auto found = Run({"find", "100-4711/A"});
   ASSERT_TRUE(found.ok()) << found.status();
@@ -371,7 +374,7 @@ TEST_F(Tags, AreFoundInEveryKindThatMayBeSeen) {
   EXPECT_EQ(FieldOfFailure({"find", ""}), "external id");
 }
 
-TEST_F(Tags, OfItemsAreMergedIntoTheRevisionThatWasRead) {
+TEST_F(TagCommands, OfItemsAreMergedIntoTheRevisionThatWasRead) {
   const auto changed =
       Run({"label", "items/bolt", "customer=acme", "draft-", "--external-id", "100-4711/A"});
   ASSERT_TRUE(changed.ok()) << changed.status();
@@ -388,7 +391,7 @@ TEST_F(Tags, OfItemsAreMergedIntoTheRevisionThatWasRead) {
   EXPECT_THAT(update.update_mask().paths(), ElementsAre("external_ids", "labels"));
 }
 
-TEST_F(Tags, OfTemplatesAreTheNextRevisionOfTheSameContent) {
+TEST_F(TagCommands, OfTemplatesAreTheNextRevisionOfTheSameContent) {
   const auto changed = Run({"label", "templates/table", "customer=acme"});
   ASSERT_TRUE(changed.ok()) << changed.status();
   EXPECT_EQ((*changed)["revision"], "4");
@@ -399,7 +402,7 @@ TEST_F(Tags, OfTemplatesAreTheNextRevisionOfTheSameContent) {
   EXPECT_EQ(catalog_.imports[0].template_().labels().at("customer"), "acme");
 }
 
-TEST_F(Tags, OfFrontsAreChangedByThemselves) {
+TEST_F(TagCommands, OfFrontsAreChangedByThemselves) {
   const auto changed =
       Run({"label", "fronts/3", "customer=acme", "--no-external-id", "100-4711/A"});
   ASSERT_TRUE(changed.ok()) << changed.status();
@@ -409,7 +412,7 @@ TEST_F(Tags, OfFrontsAreChangedByThemselves) {
   EXPECT_FALSE(pareto_.updates[0].front().has_specification());
 }
 
-TEST_F(Tags, ArePrintedWhereNothingChanges) {
+TEST_F(TagCommands, ArePrintedWhereNothingChanges) {
   const auto printed = Run({"label", "items/bolt"});
   ASSERT_TRUE(printed.ok()) << printed.status();
   EXPECT_EQ((*printed)["labels"], Json({{"draft", ""}}));
@@ -417,7 +420,7 @@ TEST_F(Tags, ArePrintedWhereNothingChanges) {
   EXPECT_TRUE(catalog_.updates.empty());
 }
 
-TEST_F(Tags, FaultsOfChangesNameWhatWasTyped) {
+TEST_F(TagCommands, FaultsOfChangesNameWhatWasTyped) {
   EXPECT_EQ(FieldOfFailure({"label", "items/bolt", "bad=1"}), "change");
   EXPECT_EQ(FieldOfFailure({"label", "items/bolt", "bad"}), "change");
   EXPECT_EQ(FieldOfFailure({"label", "items/bolt", "--external-id", "a", "--external-id", "b"}),

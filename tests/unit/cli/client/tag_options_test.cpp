@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "mortise/v1/fabplanner.pb.h"
 
