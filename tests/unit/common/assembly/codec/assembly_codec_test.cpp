@@ -118,7 +118,7 @@ TEST(AssemblyCodec, DigestDoesNotDependOnTags) {
     message.mutable_create_time()->set_seconds(12345);
   };
   v1::AssemblyBundle bundle;
-  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(kRack, bundle.mutable_assembly()));
+  *bundle.mutable_assembly() = Rack();
   bundle.add_items()->set_title("Board");
   bundle.add_materials()->set_title("Oak");
   const std::string digest = BundleDigest(bundle);

@@ -74,7 +74,8 @@ class AssemblyCallerTest : public ::testing::Test {
     EXPECT_OK(store_.Transact(
         [&](store::Transaction& transaction) -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(const v1::AssemblyBundle bundle, Freeze(transaction, assembly));
-          return ImportBundle(transaction, bundle, 0, {.user = "users/test"}).status();
+          return ImportBundle(transaction, bundle, 0, {.user = "users/test", .trace_id = ""})
+              .status();
         },
         store::Isolation::kSerializable));
     auto host = rpc::ServerHost::Start({.dispatcher = dispatcher_.get(),

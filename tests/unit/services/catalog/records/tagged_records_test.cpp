@@ -14,6 +14,7 @@
 #include "common/resources/collection.h"
 #include "services/catalog/records/assembly_records.h"
 #include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shipped_marks.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
