@@ -113,20 +113,19 @@ class ComponentCollector {
       }
     }
     if (not_finite_ > 0) {
-      return InvalidField("file", absl::StrCat("has ", not_finite_,
-                                               " corners of triangles whose coordinates are not "
-                                               "finite, the first in ",
-                                               not_finite_place_));
+      return InvalidField(
+          "file", absl::StrCat("has corners of triangles whose coordinates are not finite: ",
+                               not_finite_, ", the first in ", not_finite_place_));
     }
     return absl::OkStatus();
   }
 
   Scene Finish(std::int64_t polygons) && {
     const auto note = [&](std::int64_t count, const char* what) {
-      if (count > 0) scene_.notes.push_back(absl::StrCat(count, what));
+      if (count > 0) scene_.notes.push_back(absl::StrCat(what, ": ", count, "."));
     };
-    note(polygons, " faces of more than three corners were divided into triangles.");
-    note(degenerate_, " triangles without area were left out.");
+    note(polygons, "Faces of more than three corners, divided into triangles");
+    note(degenerate_, "Triangles without area, left out");
     return std::move(scene_);
   }
 

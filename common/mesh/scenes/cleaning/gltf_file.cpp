@@ -68,7 +68,7 @@ class GltfCleaning {
     cleaned.names = std::move(names_);
     if (passed_over_ > 0) {
       cleaned.notes.push_back(
-          absl::StrCat(passed_over_, " meshes of points or lines were left out."));
+          absl::StrCat("Meshes of points or lines, left out: ", passed_over_, "."));
     }
     if (!GltfArray(in_.document, "skins").empty()) {
       cleaned.notes.push_back("Bones were left out: the surface is as it was before they bend it.");

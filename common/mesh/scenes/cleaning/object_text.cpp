@@ -99,7 +99,7 @@ absl::StatusOr<CleanedFile> ObjectText::Finish() && {
   }
   if (incomplete_ > 0) {
     cleaned.notes.push_back(
-        absl::StrCat(incomplete_, " faces of fewer than three corners were left out."));
+        absl::StrCat("Faces of fewer than three corners, left out: ", incomplete_, "."));
   }
   cleaned.names = std::move(names_);
   return cleaned;

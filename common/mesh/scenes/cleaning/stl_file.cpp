@@ -34,7 +34,7 @@ absl::StatusOr<CleanedFile> CleanBinary(std::string_view bytes) {
   std::fill_n(cleaned.bytes.begin(), kStlHeader - sizeof(std::uint32_t), '\0');
   if (length < bytes.size()) {
     cleaned.notes.push_back(
-        absl::StrCat(bytes.size() - length, " bytes behind the last facet were left out."));
+        absl::StrCat("Bytes behind the last facet, left out: ", bytes.size() - length, "."));
   }
   return cleaned;
 }

@@ -101,8 +101,10 @@ TEST(SceneReader, ReadsAMillionTriangles) {
 
 TEST(SceneReader, ReadsAsManyTrianglesAsItSaysAndNoMore) {
   auto mesh = testing::Sheet(1000);
-  ASSERT_OK_AND_ASSIGN(const Scene scene, ReadScene(testing::WriteBinaryPly(mesh), ""));
-  EXPECT_EQ(TriangleCount(scene), kMaxSceneTriangles);
+  for (const std::string& bytes : {testing::WriteBinaryPly(mesh), testing::WriteGlb(mesh)}) {
+    ASSERT_OK_AND_ASSIGN(const Scene scene, ReadScene(bytes, ""));
+    EXPECT_EQ(TriangleCount(scene), kMaxSceneTriangles);
+  }
   mesh.triangles.conservativeResize(3, mesh.triangles.cols() + 1);
   mesh.triangles.rightCols(1) = mesh.triangles.leftCols(1);
   for (const std::string& bytes : {testing::WriteBinaryPly(mesh), testing::WriteGlb(mesh)}) {

@@ -102,7 +102,7 @@ TEST(GltfFile, IsReadWithoutItsPicturesAndAnimations) {
       const Scene scene,
       ImportScene(testing::PackGlb(document, testing::GltfBuffer(testing::Tetrahedron())), ""));
   EXPECT_EQ(TriangleCount(scene), 4);
-  EXPECT_THAT(scene.notes, ElementsAre("1 meshes of points or lines were left out.",
+  EXPECT_THAT(scene.notes, ElementsAre("Meshes of points or lines, left out: 1.",
                                        HasSubstr("Bones were left out")));
 }
 

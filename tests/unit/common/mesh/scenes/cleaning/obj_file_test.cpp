@@ -68,7 +68,7 @@ TEST(ObjFile, IsDividedIntoTrianglesWhereItsFacesAreNotConvex) {
   }
   EXPECT_NEAR(area, 10, 1e-6);
   EXPECT_THAT(scene.notes,
-              ElementsAre("1 faces of more than three corners were divided into triangles."));
+              ElementsAre("Faces of more than three corners, divided into triangles: 1."));
 }
 
 TEST(ObjFile, IsReadWithWindowsLineEndsCommentsAndContinuedLines) {
@@ -107,8 +107,8 @@ TEST(ObjFile, LosesTrianglesWithoutAreaAndSaysSo) {
   ASSERT_OK_AND_ASSIGN(const Scene scene,
                        ImportScene(std::string(kSquare) + "f 1 2 3\nf 1 1 2\nf 1 2\n", ""));
   EXPECT_EQ(scene.components[0].triangles.cols(), 1);
-  EXPECT_THAT(scene.notes, ElementsAre("1 faces of fewer than three corners were left out.",
-                                       "1 triangles without area were left out."));
+  EXPECT_THAT(scene.notes, ElementsAre("Faces of fewer than three corners, left out: 1.",
+                                       "Triangles without area, left out: 1."));
   EXPECT_THAT(Refusal(std::string(kSquare) + "f 1 1 2\n"),
               HasSubstr("no triangle that has an area"));
 }

@@ -127,7 +127,7 @@ TEST(PlyFile, IsRefusedWhereCoordinatesAreNotFinite) {
   PlainMesh mesh = testing::Sheet(2);
   mesh.points(1, 0) = std::nanf("");
   EXPECT_THAT(Refusal(testing::WriteBinaryPly(mesh)),
-              HasSubstr("1 corners of triangles whose coordinates are not finite, the first in "
+              HasSubstr("corners of triangles whose coordinates are not finite: 1, the first in "
                         "triangle 1 of the file"));
   EXPECT_THAT(Refusal(testing::WriteTextPly(mesh)), HasSubstr("not finite"));
 }

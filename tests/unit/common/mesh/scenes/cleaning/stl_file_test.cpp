@@ -63,7 +63,7 @@ TEST(StlFile, MayBeLongerThanItDeclaresAndSaysSo) {
       const Scene scene,
       ImportScene(testing::WriteBinaryStl(testing::Tetrahedron()) + "trailer", "a.stl"));
   EXPECT_EQ(TriangleCount(scene), 4);
-  EXPECT_THAT(scene.notes, ElementsAre("7 bytes behind the last facet were left out."));
+  EXPECT_THAT(scene.notes, ElementsAre("Bytes behind the last facet, left out: 7."));
 }
 
 TEST(StlFile, IsReadWhateverItsNormalsAre) {
@@ -87,7 +87,7 @@ TEST(StlFile, IsRefusedWithWhatIsWrong) {
   PlainMesh mesh = testing::Tetrahedron();
   mesh.points(2, 3) = std::numeric_limits<float>::infinity();
   EXPECT_THAT(Refusal(testing::WriteBinaryStl(mesh), "a.stl"),
-              HasSubstr("3 corners of triangles whose coordinates are not finite, the first in "
+              HasSubstr("corners of triangles whose coordinates are not finite: 3, the first in "
                         "triangle 2 of the file"));
   EXPECT_THAT(Refusal(testing::WriteTextStl(mesh, "a"), "a.stl"), HasSubstr("line 12"));
   EXPECT_THAT(Refusal("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n", "a.stl"),
