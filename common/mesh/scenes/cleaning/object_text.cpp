@@ -1,5 +1,6 @@
 #include "common/mesh/scenes/cleaning/object_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -87,9 +88,12 @@ absl::StatusOr<CleanedFile> ObjectText::Finish() && {
   cleaned.extension = "obj";
   cleaned.bytes = std::move(vertex_text_);
   // libassimp compares every object with all before it.
-  const bool are_too_many = names_.size() > kMaxSceneComponents;
+  const auto count = static_cast<std::size_t>(
+      std::count_if(face_texts_.begin(), face_texts_.end(),
+                    [](const std::string& text) { return !text.empty(); }));
+  const bool are_too_many = count > kMaxSceneComponents;
   if (are_too_many) {
-    cleaned.notes.push_back(TooManyComponents(names_.size()));
+    cleaned.notes.push_back(TooManyComponents(count));
     names_.clear();
   }
   for (std::size_t i = 0; i < face_texts_.size(); ++i) {
