@@ -116,7 +116,8 @@ std::optional<SceneFormat> FormatOfName(std::string_view file_name) {
   return std::nullopt;
 }
 
-absl::StatusOr<SceneFormat> DetectSceneFormat(std::string_view bytes) {
+absl::StatusOr<SceneFormat> DetectSceneFormat(std::string_view bytes,
+                                              std::optional<SceneFormat> named) {
   if (bytes.empty()) return InvalidField("file", "is empty");
   if (bytes.starts_with("glTF")) return SceneFormat::kGlb;
   if (IsPly(bytes)) return SceneFormat::kPly;
@@ -134,10 +135,11 @@ absl::StatusOr<SceneFormat> DetectSceneFormat(std::string_view bytes) {
     }
   }
   if (text.substr(0, 4096).find('\0') != std::string_view::npos) {
+    if (named == SceneFormat::kStl && bytes.size() >= kStlHeader) return SceneFormat::kStl;
     return IsNone("is no mesh file of a format that is read");
   }
   if (const auto format = FormatOfText(text)) return *format;
-  if (Trimmed(text).empty()) return InvalidField("file", "is empty but for spaces");
+  if (begin == text.size()) return InvalidField("file", "is empty but for spaces");
   return IsNone("has neither vertices nor faces of a format that is read");
 }
 

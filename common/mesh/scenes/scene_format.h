@@ -27,7 +27,9 @@ std::optional<SceneFormat> FormatOfName(std::string_view file_name);
 // The format of a file by its content alone. INVALID_ARGUMENT, "file": it is empty, or it is none
 // of the six; then the message says what it is instead where that is plain (STEP, FBX, COLLADA, a
 // ZIP archive, a picture …). It looks at the beginning only, so a file with a format may still be
-// damaged.
-absl::StatusOr<SceneFormat> DetectSceneFormat(std::string_view bytes);
+// damaged. `named`, the format that the file is called after, only decides for binary files that
+// look like nothing else: they are STL if they are called so, and its reader finds their fault.
+absl::StatusOr<SceneFormat> DetectSceneFormat(std::string_view bytes,
+                                              std::optional<SceneFormat> named = std::nullopt);
 
 }  // namespace mortise::mesh

@@ -12,22 +12,10 @@
 #include "common/mesh/scenes/cleaning/cleaned_file.h"
 #include "common/mesh/scenes/cleaning/object_text.h"
 #include "common/mesh/scenes/cleaning/scene_limits.h"
-#include "common/mesh/scenes/cleaning/stl_length.h"
 #include "common/mesh/scenes/scene_format.h"
 
 namespace mortise::mesh {
 namespace {
-
-// The format of the content; or, of a file that is called STL and looks like nothing else, STL, so
-// that its fault is named.
-absl::StatusOr<SceneFormat> FormatOf(std::string_view bytes, std::optional<SceneFormat> named) {
-  const absl::StatusOr<SceneFormat> detected = DetectSceneFormat(bytes);
-  if (!detected.ok() && named == SceneFormat::kStl && bytes.size() >= kStlHeader &&
-      bytes.substr(0, kStlHeader).find('\0') != std::string_view::npos) {
-    return SceneFormat::kStl;
-  }
-  return detected;
-}
 
 absl::StatusOr<CleanedFile> Clean(std::string_view bytes, SceneFormat format) {
   switch (format) {
@@ -93,7 +81,7 @@ void MergeTooMany(Scene& scene) {
 absl::StatusOr<Scene> ImportScene(std::string_view bytes, std::string_view file_name) {
   if (bytes.size() > kMaxSceneBytes) return TooLarge("file", "64 MiB");
   const std::optional<SceneFormat> named = FormatOfName(file_name);
-  MORTISE_ASSIGN_OR_RETURN(const SceneFormat format, FormatOf(bytes, named));
+  MORTISE_ASSIGN_OR_RETURN(const SceneFormat format, DetectSceneFormat(bytes, named));
   MORTISE_ASSIGN_OR_RETURN(const CleanedFile cleaned, Clean(bytes, format));
   MORTISE_ASSIGN_OR_RETURN(Scene scene, ReadByAssimp(cleaned));
   if (scene.components.empty()) {

@@ -1,6 +1,8 @@
 #include "common/mesh/scenes/cleaning/object_text.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -33,11 +35,13 @@ absl::Status ObjectText::AddVertex(const std::vector<std::string_view>& words, l
     if (!number) {
       return FaultAtLine(line, absl::StrCat("\"", View(words[i].substr(0, 20)), "\" is no number"));
     }
-    if (!std::isfinite(*number)) return FaultAtLine(line, "a coordinate is not finite");
-    if (i == 3 && *number == 0) return FaultAtLine(line, "the fourth coordinate is 0");
-    std::string_view word = words[i];
-    if (word.starts_with('+')) word.remove_prefix(1);
-    vertex_text_.append(" ").append(word);
+    const auto single = static_cast<float>(*number);
+    if (!std::isfinite(single)) return FaultAtLine(line, "a coordinate is not finite");
+    if (i == 3 && single == 0) return FaultAtLine(line, "the fourth coordinate is 0");
+    // Written anew: libassimp takes ".5" for no number and passes over the vertex.
+    std::array<char, 32> digits;
+    const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), single);
+    vertex_text_.append(" ").append(digits.data(), written.ptr);
   }
   vertex_text_ += '\n';
   ++vertices_;

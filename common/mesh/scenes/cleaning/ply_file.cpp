@@ -137,8 +137,8 @@ class PlyWalk {
   std::int64_t triangles_ = 0;
 };
 
-// The header as libassimp understands it. What is not wanted of it gets the name of a property that
-// it passes over.
+// The header as libassimp understands it. What is not wanted of it gets names of an element and of
+// a property that it passes over; elements that it does not know it does not pass over.
 std::string HeaderText(const PlyHeader& header) {
   std::string text =
       absl::StrCat("ply\nformat binary_",
@@ -146,7 +146,7 @@ std::string HeaderText(const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty()) continue;
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
-    absl::StrAppend(&text, "element ", is_vertex || is_face ? element.name : "other", " ",
+    absl::StrAppend(&text, "element ", is_vertex || is_face ? element.name : "edge", " ",
                     element.count, "\n");
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];

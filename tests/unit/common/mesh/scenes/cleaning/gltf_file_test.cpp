@@ -42,8 +42,12 @@ TEST(GltfFile, IsInMetresWithYUp) {
     EXPECT_EQ(scene.up, UpAxis::kY);
     ASSERT_EQ(scene.components.size(), 1u);
     EXPECT_EQ(scene.components[0].name, "thing");
-    EXPECT_EQ(scene.components[0].triangles, mesh.triangles);
-    EXPECT_TRUE(scene.components[0].vertices(Eigen::all, Eigen::seqN(0, 1)).isZero());
+    const SceneComponent& thing = scene.components[0];
+    ASSERT_EQ(thing.triangles.cols(), mesh.triangles.cols());
+    for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) {
+      EXPECT_EQ(thing.vertices.col(thing.triangles.reshaped()(i)),
+                mesh.points.col(mesh.triangles.reshaped()(i)).cast<double>());
+    }
     EXPECT_TRUE(BoxOf(scene).max().isApprox(mesh.points.rowwise().maxCoeff().cast<double>()));
     EXPECT_THAT(scene.notes, ElementsAre());
   }

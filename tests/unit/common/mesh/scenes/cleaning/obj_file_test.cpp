@@ -84,6 +84,18 @@ TEST(ObjFile, IsReadWithWindowsLineEndsCommentsAndContinuedLines) {
   EXPECT_EQ(BoxOf(scene).sizes(), Eigen::Vector3d(1, 2, 0));
 }
 
+TEST(ObjFile, MayHaveItsNumbersInAnyForm) {
+  ASSERT_OK_AND_ASSIGN(
+      const Scene scene,
+      ImportScene("v .5 -.25 +1\nv 1.5e0 5E-1 1.\nv 0.0000001 123456.7 1\nf 1 02 +3\n", ""));
+  const SceneComponent& only = scene.components[0];
+  Eigen::Matrix3d expected;
+  expected << 0.5, 1.5, 0.0000001, -0.25, 0.5, 123456.7, 1, 1, 1;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_TRUE(only.vertices.col(only.triangles(k, 0)).isApprox(expected.col(k), 1e-6));
+  }
+}
+
 TEST(ObjFile, DividesCoordinatesByTheirWeight) {
   ASSERT_OK_AND_ASSIGN(const Scene scene,
                        ImportScene("v 0 0 0 1\nv 4 0 0 2\nv 0 2 0 1.0\nf 1 2 3\n", ""));
@@ -131,7 +143,8 @@ TEST(ObjFile, IsRefusedWithTheLineAtFault) {
 }
 
 TEST(ObjFile, IsRefusedWhereItsNumbersAreBeyondSinglePrecision) {
-  EXPECT_THAT(Refusal("v 0 0 0\nv 1e300 0 0\nv 1 1 0\nf 1 2 3\n"), HasSubstr("not finite"));
+  EXPECT_THAT(Refusal("v 0 0 0\nv 1e300 0 0\nv 1 1 0\nf 1 2 3\n"),
+              HasSubstr("line 2: a coordinate is not finite"));
 }
 
 }  // namespace

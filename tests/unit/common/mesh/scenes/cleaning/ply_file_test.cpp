@@ -119,7 +119,7 @@ TEST(PlyFile, IsRefusedWhereItsIndicesAreOutOfRange) {
   EXPECT_THAT(Refusal(testing::WriteTextPly(mesh)), HasSubstr("a face names vertex 5 of 4"));
   EXPECT_THAT(Refusal(testing::WriteBinaryPly(mesh)), HasSubstr("face 4 names vertex 4"));
   mesh.triangles(2, 3) = -1;
-  EXPECT_THAT(Refusal(testing::WriteTextPly(mesh)), HasSubstr("line 17"));
+  EXPECT_THAT(Refusal(testing::WriteTextPly(mesh)), HasSubstr("line 18"));
   EXPECT_THAT(Refusal(testing::WriteBinaryPly(mesh)), HasSubstr("face 4"));
 }
 

@@ -89,7 +89,7 @@ TEST(StlFile, IsRefusedWithWhatIsWrong) {
   EXPECT_THAT(Refusal(testing::WriteBinaryStl(mesh), "a.stl"),
               HasSubstr("corners of triangles whose coordinates are not finite: 3, the first in "
                         "triangle 2 of the file"));
-  EXPECT_THAT(Refusal(testing::WriteTextStl(mesh, "a"), "a.stl"), HasSubstr("line 12"));
+  EXPECT_THAT(Refusal(testing::WriteTextStl(mesh, "a"), "a.stl"), HasSubstr("line 13"));
   EXPECT_THAT(Refusal("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n", "a.stl"),
               HasSubstr("line 5: a facet has 2 vertices"));
   EXPECT_THAT(Refusal("solid\nfacet\nvertex 0 0\n", "a.stl"), HasSubstr("line 3"));
