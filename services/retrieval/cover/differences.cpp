@@ -17,6 +17,11 @@ constexpr double kShortestStep = 1e-3;  // of a parameter's extent
 constexpr double kLongestStep = 1.0 / 16;
 constexpr double kLeastPart = 1e-3;  // of a step: with less room than this there is none
 
+// The step as a part of an extent.
+double StepPart(double noise) {
+  return std::clamp(std::pow(std::max(0.0, noise), 0.25), kShortestStep, kLongestStep);
+}
+
 // Where the two other points of a difference lie, as changes of one parameter; 0: nowhere.
 struct Stencil {
   double first = 0;
@@ -46,8 +51,10 @@ void FitParabola(const Stencil& at, const VectorXd& y0, const VectorXd& y1, cons
 }  // namespace
 
 VectorXd DifferenceSteps(const VectorXd& extents, double noise) {
-  return std::clamp(std::pow(std::max(0.0, noise), 0.25), kShortestStep, kLongestStep) * extents;
+  return StepPart(noise) * extents;
 }
+
+double DerivativeError(double noise) { return std::max(0.0, noise) / StepPart(noise); }
 
 absl::StatusOr<Derivatives> CentralDifferences(ParallelEvaluator& evaluator, const VectorXd& q,
                                                const VectorXd& value, const VectorXd& steps) {

@@ -15,6 +15,10 @@ namespace mortise::retrieval {
 // and between a thousandth and a sixteenth of it.
 Eigen::VectorXd DifferenceSteps(const Eigen::VectorXd& extents, double noise);
 
+// What noise adds to a first derivative, as a part of the largest one, each parameter counted in
+// parts of its extent.
+double DerivativeError(double noise);
+
 // The derivatives at q, where M is `value`. Two evaluations a parameter: to either side if there is
 // room, both to one side (of second order in the first derivative, first order in the second)
 // otherwise. Where there is room for neither, the step shrinks with it. A parameter of extent 0 has

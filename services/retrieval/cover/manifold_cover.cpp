@@ -86,7 +86,9 @@ class PrimitiveMaker {
                                                       DifferenceSteps(extents_, manifold.noise()));
     if (!derivatives.ok() || !derivatives->first.allFinite() || !derivatives->second.allFinite())
       return false;
-    frame_.emplace(manifold.constraints(), sample_.parameters, *derivatives, extents_, delta_);
+    const double error = manifold.OffersDerivatives() ? 0 : DerivativeError(manifold.noise());
+    frame_.emplace(manifold.constraints(), sample_.parameters, *derivatives, extents_, delta_,
+                   error);
     return true;
   }
 

@@ -58,14 +58,15 @@ MatrixXd Without(const MatrixXd& left, const VectorXd& direction) {
 }  // namespace
 
 TangentFrame::TangentFrame(const LinearConstraints& constraints, const VectorXd& q,
-                           const Derivatives& derivatives, const VectorXd& extents, double delta)
+                           const Derivatives& derivatives, const VectorXd& extents, double delta,
+                           double error)
     : constraints_(constraints), q_(q) {
   const MatrixXd scaled = derivatives.first * extents.asDiagonal();
   const Eigen::JacobiSVD<MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeFullV);
   const VectorXd& sizes = svd.singularValues();
+  const double least = std::max(std::max(kSingular, 2 * error) * sizes[0], kNegligible * delta);
   Index rank = 0;
-  while (rank < sizes.size() && sizes[rank] > std::max(kSingular * sizes[0], kNegligible * delta))
-    ++rank;
+  while (rank < sizes.size() && sizes[rank] > least) ++rank;
   basis_ = svd.matrixU().leftCols(rank);
   const MatrixXd back = svd.matrixV().leftCols(rank) * sizes.head(rank).cwiseInverse().asDiagonal();
   changes_ = extents.asDiagonal() * back;

@@ -19,10 +19,12 @@ struct Way {
 class TangentFrame {
  public:
   // At q, with the derivatives there. `extents` (K) are the widths of the feasible set. Directions
-  // in which all of it moves the descriptor by less than delta / 10, or by a millionth of the
-  // furthest, do not count. O(N K² + m K r²) for m constraints.
+  // in which all of it moves the descriptor by less than delta / 10 do not count, nor those that
+  // move it by less than twice `error` of the furthest (DerivativeError of differences.h), or a
+  // millionth. O(N K² + m K r²) for m constraints.
   TangentFrame(const LinearConstraints& constraints, const Eigen::VectorXd& q,
-               const Derivatives& derivatives, const Eigen::VectorXd& extents, double delta);
+               const Derivatives& derivatives, const Eigen::VectorXd& extents, double delta,
+               double error = 0);
 
   // r: the numerical rank.
   Eigen::Index rank() const { return basis_.cols(); }

@@ -34,6 +34,18 @@ TEST(TangentFrame, LeavesOutWhatMovesNothingForThisDelta) {
   EXPECT_EQ(FrameAt(manifold, Vector2d(0.5, 0.5), 0.01).rank(), 2);
 }
 
+TEST(TangentFrame, LeavesOutWhatIsNoMoreThanNoise) {
+  const FunctionManifold manifold(testing::Over(Vector2d(0, 0), Vector2d(1, 1), 2,
+                                                [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
+                                                  return VectorXd(Vector2d(q[0], 0.05 * q[1]));
+                                                }));
+  const Vector2d q(0.5, 0.5);
+  const Derivatives derivatives = *manifold.DerivativesAt(q);
+  const Vector2d extents(1, 1);
+  EXPECT_EQ(TangentFrame(manifold.constraints(), q, derivatives, extents, 0.01, 0.01).rank(), 2);
+  EXPECT_EQ(TangentFrame(manifold.constraints(), q, derivatives, extents, 0.01, 0.03).rank(), 1);
+}
+
 TEST(TangentFrame, AxesAreOrthonormalAndTangent) {
   const FunctionManifold manifold(testing::SpherePatch());
   const Vector2d q(0.7, 0.3);

@@ -1,0 +1,258 @@
+// Best first, through the tree and the primitives of its leaves.
+#include "services/retrieval/index/primitive_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/retrieval/index/index_builder.h"
+#include "services/retrieval/index/primitive_distance.h"
+
+namespace mortise::retrieval {
+namespace {
+
+using Eigen::Index;
+using Eigen::Map;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kMostDescriptors = 4;
+// Of a bound: what rounding may take off a distance. Far more than it does, far less than matters.
+constexpr double kSlack = 1e-5;
+
+// In what order matches are: by distance, family, primitive, turn.
+auto Rank(const IndexMatch& match) {
+  return std::tie(match.distance, match.family, match.primitive, match.turn);
+}
+
+bool IsNearer(const IndexMatch& a, const IndexMatch& b) { return Rank(a) < Rank(b); }
+
+// The best match of each family, and the `count` best of these.
+class Matches {
+ public:
+  Matches(const IndexArrays& arrays, const IndexQuery& query)
+      : arrays_(arrays),
+        query_(query),
+        best_(arrays.families.size()),
+        allowed_(arrays.families.size(), query.allowed ? kUnknown : kYes) {}
+
+  bool IsAllowed(std::int32_t family) {
+    char& known = allowed_[static_cast<std::size_t>(family)];
+    if (known == kUnknown)
+      known = query_.allowed(arrays_.families[static_cast<std::size_t>(family)]) ? kYes : kNo;
+    return known == kYes;
+  }
+
+  // What a primitive of this family must not be further than to matter.
+  double Limit(std::int32_t family) const {
+    const auto& best = best_[static_cast<std::size_t>(family)];
+    return best ? std::min(limit_, best->distance) : limit_;
+  }
+
+  // The same for any family.
+  double Limit() const { return limit_; }
+
+  // Takes note of a primitive's distance from one of the query's descriptors. `offset` is room for
+  // N numbers.
+  void Compare(std::int32_t entry, int turn, VectorXd* offset) {
+    const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(entry)];
+    const VectorXd& x = query_.descriptors[static_cast<std::size_t>(turn)];
+    Add(primitive.family, {.family = arrays_.families[static_cast<std::size_t>(primitive.family)],
+                           .primitive = primitive.number,
+                           .turn = turn,
+                           .distance = DistanceFrom(arrays_, primitive, x.data(), offset->data()),
+                           .entry = entry});
+  }
+
+  std::vector<IndexMatch> Take() { return std::move(top_); }
+
+ private:
+  void Add(std::int32_t family, const IndexMatch& match) {
+    std::optional<IndexMatch>& best = best_[static_cast<std::size_t>(family)];
+    if (best && !IsNearer(match, *best)) return;
+    best = match;
+    const auto same = std::find_if(top_.begin(), top_.end(), [&](const IndexMatch& each) {
+      return each.family == match.family;
+    });
+    if (same != top_.end()) top_.erase(same);
+    top_.insert(std::upper_bound(top_.begin(), top_.end(), match, IsNearer), match);
+    const auto count = static_cast<std::size_t>(query_.count);
+    if (top_.size() > count) top_.pop_back();
+    if (top_.size() == count) limit_ = top_.back().distance;
+  }
+
+  static constexpr char kUnknown = 0, kYes = 1, kNo = 2;
+
+  const IndexArrays& arrays_;
+  const IndexQuery& query_;
+  std::vector<std::optional<IndexMatch>> best_;
+  std::vector<char> allowed_;
+  std::vector<IndexMatch> top_;  // ascending
+  double limit_ = std::numeric_limits<double>::infinity();
+};
+
+// One search.
+class Search {
+ public:
+  Search(const IndexArrays& arrays, const IndexQuery& query)
+      : arrays_(arrays),
+        query_(query),
+        matches_(arrays, query),
+        width_(arrays.sizes.leading + 1),
+        offset_(arrays.sizes.dimension) {}
+
+  std::vector<IndexMatch> Run() {
+    for (std::size_t turn = 0; turn < query_.descriptors.size(); ++turn) {
+      places_.push_back(PlaceOf(query_.descriptors[turn]));
+      Enqueue(0, static_cast<int>(turn));
+    }
+    while (!queue_.empty() && queue_.top().bound <= matches_.Limit()) {
+      const Entry entry = queue_.top();
+      queue_.pop();
+      const NodeEntry& node = arrays_.nodes[static_cast<std::size_t>(entry.node)];
+      if (IsSettled(node, entry.bound)) continue;
+      if (node.left >= 0) {
+        Enqueue(node.left, entry.turn);
+        Enqueue(node.right, entry.turn);
+      } else {
+        VisitLeaf(node, entry.turn);
+      }
+    }
+    return matches_.Take();
+  }
+
+  const IndexEffort& effort() const { return effort_; }
+
+ private:
+  struct Entry {
+    double bound = 0;
+    std::int32_t node = 0;
+    std::int32_t turn = 0;
+    bool operator<(const Entry& other) const {  // the smallest bound is on top of the queue
+      return std::tie(bound, node, turn) > std::tie(other.bound, other.node, other.turn);
+    }
+  };
+
+  VectorXd PlaceOf(const VectorXd& x) const {
+    const Map<const VectorXd> mean(arrays_.mean.data(), x.size());
+    const Map<const MatrixXd> components(arrays_.components.data(), x.size(), width_ - 1);
+    const VectorXd offset = x - mean;
+    VectorXd place(width_);
+    place.head(width_ - 1) = components.transpose() * offset;
+    place[width_ - 1] = (offset - components * place.head(width_ - 1)).norm();
+    return place;
+  }
+
+  void Enqueue(std::int32_t node, int turn) {
+    ++effort_.nodes;
+    const double bound = BoundOf(node, places_[static_cast<std::size_t>(turn)]);
+    if (bound <= matches_.Limit()) queue_.push({bound, node, turn});
+  }
+
+  // Never more than the distance of anything below a node.
+  double BoundOf(std::int32_t node, const VectorXd& place) const {
+    const double* ball = arrays_.balls.data() + node * (width_ + 1);
+    const double to_ball = (place - Map<const VectorXd>(ball, width_)).norm() - ball[width_];
+    if (to_ball > matches_.Limit() * (1 + 2 * kSlack)) return (1 - kSlack) * to_ball;
+    const double* box = arrays_.boxes.data() + node * 2 * width_;
+    const Map<const VectorXd> lower(box, width_), upper(box + width_, width_);
+    const double to_box = (lower - place).cwiseMax(place - upper).cwiseMax(0).norm();
+    return (1 - kSlack) * std::max({to_ball, to_box, 0.0});
+  }
+
+  // Whether a node of a single family holds nothing that matters.
+  bool IsSettled(const NodeEntry& node, double bound) {
+    return node.family >= 0 &&
+           (!matches_.IsAllowed(node.family) || bound > matches_.Limit(node.family));
+  }
+
+  void VisitLeaf(const NodeEntry& leaf, int turn) {
+    const VectorXd& place = places_[static_cast<std::size_t>(turn)];
+    for (std::int32_t i = leaf.first; i < leaf.last; ++i) {
+      const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
+      if (!matches_.IsAllowed(primitive.family)) continue;
+      const double* known = arrays_.places.data() + i * (width_ + 1);
+      const double bound = (place - Map<const VectorXd>(known, width_)).norm() - known[width_];
+      if ((1 - kSlack) * bound > matches_.Limit(primitive.family)) continue;
+      ++effort_.distances;
+      matches_.Compare(i, turn, &offset_);
+    }
+  }
+
+  const IndexArrays& arrays_;
+  const IndexQuery& query_;
+  Matches matches_;
+  Index width_;  // d + 1
+  VectorXd offset_;
+  std::vector<VectorXd> places_;  // of each descriptor of the query
+  std::priority_queue<Entry> queue_;
+  IndexEffort effort_;
+};
+
+}  // namespace
+
+absl::StatusOr<PrimitiveIndex> PrimitiveIndex::Build(std::vector<FamilyCover> covers) {
+  MORTISE_ASSIGN_OR_RETURN(OwnedArrays arrays, BuildArrays(std::move(covers)));
+  auto owner = std::make_shared<const OwnedArrays>(std::move(arrays));
+  const IndexArrays view = owner->View();
+  return PrimitiveIndex(view, std::move(owner));
+}
+
+PrimitiveIndex::PrimitiveIndex(IndexArrays arrays, std::shared_ptr<const void> owner)
+    : arrays_(arrays), owner_(std::move(owner)) {}
+
+absl::Status PrimitiveIndex::Check(const IndexQuery& query) const {
+  if (query.count < 1) return InvalidField("count", "must be at least 1");
+  if (query.descriptors.empty() || query.descriptors.size() > kMostDescriptors)
+    return InvalidField("descriptors", "there must be one to four");
+  for (std::size_t i = 0; i < query.descriptors.size(); ++i) {
+    const std::string name = absl::StrCat("descriptors[", i, "]");
+    if (query.descriptors[i].size() != dimension())
+      return InvalidField(name, absl::StrCat("must have ", dimension(), " numbers"));
+    if (!query.descriptors[i].allFinite())
+      return InvalidField(name, "has numbers that are not finite");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<IndexMatch>> PrimitiveIndex::Nearest(const IndexQuery& query,
+                                                                IndexEffort* effort) const {
+  MORTISE_RETURN_IF_ERROR(Check(query));
+  Search search(arrays_, query);
+  std::vector<IndexMatch> matches = search.Run();
+  if (effort) *effort = search.effort();
+  return matches;
+}
+
+absl::StatusOr<std::vector<IndexMatch>> PrimitiveIndex::LinearScan(const IndexQuery& query) const {
+  MORTISE_RETURN_IF_ERROR(Check(query));
+  Matches matches(arrays_, query);
+  VectorXd offset(dimension());
+  for (std::size_t turn = 0; turn < query.descriptors.size(); ++turn) {
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(arrays_.primitives.size()); ++i) {
+      if (matches.IsAllowed(arrays_.primitives[static_cast<std::size_t>(i)].family))
+        matches.Compare(i, static_cast<int>(turn), &offset);
+    }
+  }
+  return matches.Take();
+}
+
+Primitive PrimitiveIndex::PrimitiveOf(const IndexMatch& match) const {
+  const PrimitiveEntry& entry = arrays_.primitives[static_cast<std::size_t>(match.entry)];
+  const Index size = dimension();
+  const Map<const Eigen::MatrixXf> vectors(arrays_.vectors.data() + entry.vectors, size,
+                                           1 + entry.axes);
+  return {.parameters = Map<const VectorXd>(arrays_.parameters.data() + entry.parameters,
+                                            entry.parameter_count),
+          .center = vectors.col(0).cast<double>(),
+          .axes = vectors.rightCols(entry.axes).cast<double>(),
+          .radii = Map<const VectorXd>(arrays_.radii.data() + entry.radii, entry.axes),
+          .structure = entry.structure};
+}
+
+}  // namespace mortise::retrieval
