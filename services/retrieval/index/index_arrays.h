@@ -55,7 +55,9 @@ struct IndexArrays {
   std::span<const float> vectors;
   std::span<const double> radii;
   std::span<const double> parameters;
-  std::span<const double> places;    // (d + 2) a primitive: its centre's place, its largest radius
+  std::span<const double> places;  // (d + 2) a primitive: its centre's place, its largest radius
+  // (d + 1) an axis, in the order of radii: its part along the components, the length of the rest.
+  std::span<const double> leading_axes;
   std::span<const NodeEntry> nodes;  // the first is the root; children come after their parents
   std::span<const double> balls;     // (d + 2) a node: centre and radius of a ball around all
   std::span<const double> boxes;     // 2 (d + 1) a node: lower corner, upper corner
@@ -68,13 +70,13 @@ struct OwnedArrays {
   std::vector<std::int32_t> families;
   std::vector<PrimitiveEntry> primitives;
   std::vector<float> vectors;
-  std::vector<double> radii, parameters, places;
+  std::vector<double> radii, parameters, places, leading_axes;
   std::vector<NodeEntry> nodes;
   std::vector<double> balls, boxes;
 
   IndexArrays View() const {
-    return {sizes, mean,       components, families, primitives, vectors,
-            radii, parameters, places,     nodes,    balls,      boxes};
+    return {sizes,      mean,   components,   families, primitives, vectors, radii,
+            parameters, places, leading_axes, nodes,    balls,      boxes};
   }
 };
 

@@ -223,6 +223,16 @@ class Builder {
                                 primitive.parameters.end());
       arrays_.places.insert(arrays_.places.end(), item.place.begin(), item.place.end());
       arrays_.places.push_back((1 + kSlack) * item.radius);
+      WriteLeadingAxes(primitive);
+    }
+  }
+
+  void WriteLeadingAxes(const Primitive& primitive) {
+    for (Index i = 0; i < primitive.axes.cols(); ++i) {
+      const VectorXd part = components_.transpose() * primitive.axes.col(i);
+      const VectorXd rest = primitive.axes.col(i) - components_ * part;
+      arrays_.leading_axes.insert(arrays_.leading_axes.end(), part.begin(), part.end());
+      arrays_.leading_axes.push_back(rest.norm());
     }
   }
 

@@ -41,6 +41,7 @@ bool SizesFit(const IndexArrays& arrays) {
          Has(arrays.vectors, sizes.vectors) && Has(arrays.radii, sizes.radii) &&
          Has(arrays.parameters, sizes.parameters) &&
          Has(arrays.places, sizes.primitives * (sizes.leading + 2)) &&
+         Has(arrays.leading_axes, sizes.radii * (sizes.leading + 1)) &&
          Has(arrays.nodes, sizes.nodes) && Has(arrays.balls, sizes.nodes * (sizes.leading + 2)) &&
          Has(arrays.boxes, sizes.nodes * 2 * (sizes.leading + 1));
 }

@@ -179,9 +179,35 @@ class Search {
       const double* known = arrays_.places.data() + i * (width_ + 1);
       const double bound = (place - Map<const VectorXd>(known, width_)).norm() - known[width_];
       if ((1 - kSlack) * bound > matches_.Limit(primitive.family)) continue;
+      if (TangentBound(primitive, place, known) > matches_.Limit(primitive.family)) continue;
       ++effort_.distances;
       matches_.Compare(i, turn, &offset_);
     }
+  }
+
+  // Never more than the distance from a tangent whose centre has the place `known`. The offset x -
+  // c is known along the components, and the length of its rest within limits; so is its part along
+  // each axis. What is not along the axes is at least what is left of its square, and along each
+  // axis no place of the ellipsoid is beyond its radius.
+  double TangentBound(const PrimitiveEntry& primitive, const VectorXd& place,
+                      const double* known) const {
+    if (primitive.axes == 0) return 0;
+    const Map<const VectorXd> center(known, width_);
+    const auto offset = place.head(width_ - 1) - center.head(width_ - 1);
+    const double shortest = std::abs(place[width_ - 1] - center[width_ - 1]);
+    const double longest = place[width_ - 1] + center[width_ - 1];
+    const double square = offset.squaredNorm() + shortest * shortest;
+    double beside = (1 - kSlack) * square, beyond = 0;
+    for (std::int32_t i = 0; i < primitive.axes; ++i) {
+      const double* axis = arrays_.leading_axes.data() + (primitive.radii + i) * width_;
+      const double along = std::abs(offset.dot(Map<const VectorXd>(axis, width_ - 1)));
+      const double doubt = axis[width_ - 1] * longest;
+      const double out =
+          along - doubt - arrays_.radii[static_cast<std::size_t>(primitive.radii + i)];
+      beside -= (along + doubt) * (along + doubt);
+      if (out > 0) beyond += out * out;
+    }
+    return (1 - kSlack) * std::sqrt(std::max(0.0, beside) + beyond);
   }
 
   const IndexArrays& arrays_;
