@@ -1,14 +1,13 @@
 // Fresh samples against primitives, and places on primitives against the manifold.
 #include "services/retrieval/cover/cover_error.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "common/assembly/polyhedra/polyhedron.h"
 #include "common/base/errors.h"
+#include "services/retrieval/cover/constrained_step.h"
 #include "services/retrieval/cover/differences.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
 #include "services/retrieval/cover/random.h"
@@ -17,7 +16,6 @@ namespace mortise::retrieval {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kSteps = 12;
@@ -64,13 +62,12 @@ class NearestSearch {
     const auto derivatives = CentralDifferences(evaluator_, at->parameters, at->value,
                                                 DifferenceSteps(extents_, manifold.noise()));
     if (!derivatives.ok()) return false;
-    const MatrixXd scaled = derivatives->first * extents_.asDiagonal();
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
-    solver.setThreshold(1e-6);
-    solver.compute(scaled);
-    VectorXd change = solver.solve(target_ - at->value);
+    const auto step = ConstrainedStep(manifold.constraints(), at->parameters, derivatives->first,
+                                      extents_, target_ - at->value);
+    if (!step.ok()) return false;
+    VectorXd change = *step;
     for (int halving = 0; halving < kHalvings; ++halving, change /= 2) {
-      const auto next = PointAt(at->parameters, change);
+      const auto next = PointAt(at->parameters + change);
       if (!next || (target_ - next->value).norm() >= *distance) continue;
       *at = *next;
       *distance = (target_ - at->value).norm();
@@ -79,16 +76,8 @@ class NearestSearch {
     return false;
   }
 
-  // The feasible point nearest to q + change, each parameter counted in parts of its extent.
-  std::optional<Known> PointAt(const VectorXd& q, const VectorXd& change) {
-    const LinearConstraints& constraints = evaluator_.manifold().constraints();
-    const MatrixXd rows = constraints.normals * extents_.asDiagonal();
-    const VectorXd slacks = (constraints.bounds - constraints.normals * q).cwiseMax(0);
-    const parametric::Polyhedron feasible{rows, slacks, MatrixXd(0, q.size()), VectorXd(0)};
-    const auto projection = parametric::ProjectOnto(feasible, change);
-    if (!projection.ok() || !projection->point) return std::nullopt;
-    const VectorXd move = extents_.asDiagonal() * *projection->point;
-    const VectorXd point = q + std::min(1.0, RoomAlong(constraints, q, move)) * move;
+  // The point of the manifold at these parameters; nothing if there is none of the structure.
+  std::optional<Known> PointAt(const VectorXd& point) {
     const auto values = evaluator_.Evaluate({point});
     if (!values[0].ok() || evaluator_.manifold().Structure(point) != structure_)
       return std::nullopt;

@@ -81,7 +81,7 @@ struct Cover {
 //
 // Memory: the primitives of the kinds that race. Work: one evaluation a sample; for a place where a
 // tangent may pay two evaluations a parameter; for a tangent with m axes 2 m to 8 m for its radii
-// and, with two axes and more, 4 m to 16 m between them (in the bench: 5 m to 9 m together).
+// and, with two axes and more, 4 m to 8 m for each of at most six rounds between them.
 //
 // INVALID_ARGUMENT for options out of range; FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED, or
 // NOTHING_EVALUATED where each of the first `rejections` samples fails; CANCELLED; else what

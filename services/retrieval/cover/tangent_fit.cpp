@@ -25,7 +25,7 @@ constexpr double kLeastMargin = 0.97;  // of the place where a parabola says tha
 constexpr int kShrinkRounds = 6;
 constexpr double kMostShrink = 0.6;
 constexpr double kLeastShrink = 0.95;
-constexpr int kPlacesPerAxis = 2;
+constexpr int kPlacesPerAxis = 4;
 
 // One way along one axis, and how far the ellipsoid may go there.
 struct Probe {
@@ -195,9 +195,8 @@ class Fit {
       const VectorXd gap = open[i]->target - *offsets[i];
       open[i]->distance = std::min(open[i]->distance, gap.norm());
       if (!step) continue;
-      const VectorXd change = open[i]->change + frame_.ChangeFor(frame_.basis().transpose() * gap);
-      const double room = RoomAlong(evaluator_.manifold().constraints(), site_.parameters, change);
-      open[i]->change = std::min(1.0, room) * change;
+      const auto change = frame_.StepFrom(open[i]->change, frame_.basis().transpose() * gap);
+      if (change.ok()) open[i]->change += *change;
     }
   }
 

@@ -28,7 +28,7 @@ struct TangentSite {
 // ellipsoid may go on by r_δ = √(δ² - d²) (thesis §4.4.2, with 0.9 δ for δ). What cannot be
 // evaluated, or has another structure, is a boundary too. Two to eight evaluations an axis.
 //
-// Between several axes, 2 m places of the ellipsoid are then compared with the nearest points of
+// Between several axes, 4 m places of the ellipsoid are then compared with the nearest points of
 // the manifold that one Newton step finds, and all radii shrink until each is within δ: two
 // evaluations a place and round, most often one round. A ball of radius δ is always tight, and
 // where all shrinking ends.

@@ -11,6 +11,7 @@
 
 #include "common/assembly/polyhedra/linear_programme.h"
 #include "common/base/errors.h"
+#include "services/retrieval/cover/constrained_step.h"
 
 namespace mortise::retrieval {
 namespace {
@@ -60,7 +61,7 @@ MatrixXd Without(const MatrixXd& left, const VectorXd& direction) {
 TangentFrame::TangentFrame(const LinearConstraints& constraints, const VectorXd& q,
                            const Derivatives& derivatives, const VectorXd& extents, double delta,
                            double error)
-    : constraints_(constraints), q_(q) {
+    : constraints_(constraints), q_(q), extents_(extents) {
   const MatrixXd scaled = derivatives.first * extents.asDiagonal();
   const Eigen::JacobiSVD<MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeFullV);
   const VectorXd& sizes = svd.singularValues();
@@ -74,6 +75,7 @@ TangentFrame::TangentFrame(const LinearConstraints& constraints, const VectorXd&
   bends_ = derivatives.second - basis_ * (basis_.transpose() * derivatives.second);
   if (rank == 0) return;
   Orient(derivatives, (constraints.bounds - constraints.normals * q).cwiseMax(0), delta);
+  moves_ = basis_.transpose() * derivatives.first;
 }
 
 // Thesis §4.4.2: the direction that is bounded most becomes an axis, then again in what is
@@ -122,6 +124,10 @@ double TangentFrame::CurvatureRadius(const VectorXd& direction, double delta) co
   const VectorXd change = changes_ * direction;
   const double curvature = (bends_ * change.cwiseAbs2()).norm();
   return curvature > 0 ? std::sqrt(2 * delta / curvature) : kInfinity;
+}
+
+absl::StatusOr<VectorXd> TangentFrame::StepFrom(const VectorXd& from, const VectorXd& move) const {
+  return ConstrainedStep(constraints_, q_ + from, moves_, extents_, move);
 }
 
 absl::StatusOr<Way> TangentFrame::WayAlong(const VectorXd& move) const {

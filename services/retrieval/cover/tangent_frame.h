@@ -40,9 +40,11 @@ class TangentFrame {
   // space along the parameters alone, as the thesis takes them; infinite where it is flat.
   const Eigen::VectorXd& curvature_radii() const { return curvature_; }
 
-  // The change of q (K) that moves the descriptor by `move` (r, along the axes), to first order:
-  // the least one, each parameter counted in parts of its extent.
-  Eigen::VectorXd ChangeFor(const Eigen::VectorXd& move) const { return changes_ * move; }
+  // The change of q (K), within the constraints, that brings the descriptor's move nearest to
+  // `move` (r, along the axes) to first order, where q has gone by `from` already and the
+  // manifold's move is known to fall short by `move` (constrained_step.h).
+  absl::StatusOr<Eigen::VectorXd> StepFrom(const Eigen::VectorXd& from,
+                                           const Eigen::VectorXd& move) const;
 
   // The furthest way along the direction `move` (r). Where the Jacobian has lost rank, what moves
   // nothing helps to stay within the constraints: a linear programme finds out how.
@@ -53,9 +55,10 @@ class TangentFrame {
   double CurvatureRadius(const Eigen::VectorXd& direction, double delta) const;
 
   const LinearConstraints& constraints_;
-  Eigen::VectorXd q_;
+  Eigen::VectorXd q_, extents_;
   Eigen::MatrixXd basis_;    // N × r
-  Eigen::MatrixXd changes_;  // K × r
+  Eigen::MatrixXd changes_;  // K × r: the least change of q for a move along each axis
+  Eigen::MatrixXd moves_;    // r × K: ∂M/∂q in the axes
   Eigen::MatrixXd idle_;     // K × (K - r): changes of q that move nothing
   Eigen::MatrixXd bends_;    // N × K: second derivatives, normal part
   Eigen::VectorXd predicted_, curvature_;

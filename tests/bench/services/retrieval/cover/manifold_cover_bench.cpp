@@ -27,7 +27,7 @@ void SetErrors(const Manifold& manifold, const Cover& cover, double delta,
 
 void BM_Cover(benchmark::State& state) {
   const int parameters = static_cast<int>(state.range(0));
-  const testing::ToyFamily family(parameters);
+  const testing::ToyFamily family(std::max(3, parameters));
   const FunctionManifold manifold(parameters == 2 ? testing::Paraboloid() : family.Functions());
   CoverOptions options{.delta = 1e-3 * static_cast<double>(state.range(1)), .seed = 5};
   options.most_primitives = 20'000;

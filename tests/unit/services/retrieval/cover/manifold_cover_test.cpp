@@ -107,11 +107,20 @@ TEST(ManifoldCover, OfAFlatSheetIsFewTangents) {
   EXPECT_LE(cover.cost * 5, points.cost);
 }
 
-TEST(ManifoldCover, OfACylinderUsesTheAxisThatPays) {
-  const Cover cover = CoverOf(testing::Cylinder(), Options(0.2));
+TEST(ManifoldCover, OfAThinRodUsesTheAxisThatPays) {
+  // A rod of radius 0.2 and length 4: across it a tangent reaches little further than a point.
+  const ManifoldFunctions rod = testing::Over(
+      Vector2d(0, 0), Vector2d(3, 4), 3, [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
+        return VectorXd(Eigen::Vector3d(0.2 * std::cos(q[0]), 0.2 * std::sin(q[0]), q[1]));
+      });
+  CoverOptions options = Options(0.2);
+  options.race = false;
+  const Cover cover = CoverOf(rod, options);
   const auto single = std::count_if(cover.primitives.begin(), cover.primitives.end(),
                                     [](const Primitive& each) { return each.axes.cols() == 1; });
   EXPECT_GT(single, 0);
+  options.kind = CoverKind::kTangents;
+  EXPECT_LE(cover.cost, CoverOf(rod, options).cost);
 }
 
 TEST(ManifoldCover, RedundantParametersCostNoAxes) {
