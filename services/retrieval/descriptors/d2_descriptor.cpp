@@ -239,8 +239,8 @@ D2Descriptor::D2Descriptor(const D2Settings& settings)
       kernels_(std::make_shared<const Eigen::MatrixXd>(MakeKernels(settings))) {
   properties_.name = "d2";
   properties_.dimension = settings.kernels;
-  properties_.natural_scale = 1;
-  properties_.sampling_noise = 0.02;
+  properties_.natural_scale = 0.4;
+  properties_.sampling_noise = 0.015;
   properties_.ignores_rotation = true;
   properties_.ignores_mirroring = true;
 }

@@ -36,7 +36,8 @@ struct DescriptorProperties {
   std::string name;             // "d2", "voxel" or "light-field"
   Eigen::Index dimension = 0;   // N
   bool compares_turns = false;  // whether the distance is the least over four quarter turns
-  // How far apart two unlike shapes typically are: δ of the thesis is a small part of it.
+  // How far apart two shapes typically are (the median over pairs of 249 shapes of furniture,
+  // vehicles and lamps): δ of the thesis is a small part of it.
   double natural_scale = 1;
   // How far apart the vectors of one shape may be if it is meshed or placed differently.
   double sampling_noise = 0;

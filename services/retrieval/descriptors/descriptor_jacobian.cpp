@@ -1,5 +1,7 @@
 #include "services/retrieval/descriptors/descriptor_jacobian.h"
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 

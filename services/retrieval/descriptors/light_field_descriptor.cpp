@@ -135,8 +135,8 @@ LightFieldDescriptor::LightFieldDescriptor(const LightFieldSettings& settings)
   properties_.name = "light-field";
   properties_.dimension = features_->views() * features_->view_size();
   properties_.compares_turns = true;
-  properties_.natural_scale = 0.5;
-  properties_.sampling_noise = 0.01;
+  properties_.natural_scale = 0.55;
+  properties_.sampling_noise = 0.005;
 }
 
 absl::StatusOr<std::unique_ptr<BoundDescriptor>> LightFieldDescriptor::Bind(

@@ -17,22 +17,6 @@ int FirstRow(double y) { return static_cast<int>(std::ceil(y - 0.5)); }
 
 }  // namespace
 
-double AreaOf(const Silhouette& silhouette) {
-  double length = 0;
-  for (const Span& span : silhouette.spans) length += span.end - span.begin;
-  return length * silhouette.row_height;
-}
-
-Eigen::Vector2d CentroidOf(const Silhouette& silhouette) {
-  double length = 0;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Span& span : silhouette.spans) {
-    length += span.end - span.begin;
-    sum += (span.end - span.begin) * Eigen::Vector2d((span.begin + span.end) / 2, span.y);
-  }
-  return sum / length;
-}
-
 SilhouetteRaster::SilhouetteRaster(int rows, const Eigen::Vector2d& corner, double size)
     : rows_(rows),
       corner_(corner),

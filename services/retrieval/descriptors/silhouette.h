@@ -18,18 +18,12 @@ struct Silhouette {
   double row_height = 0;
 };
 
-// Its area, Σ row_height · (end - begin).
-double AreaOf(const Silhouette& silhouette);
-
-// The centroid of that area, which must not be 0.
-Eigen::Vector2d CentroidOf(const Silhouette& silhouette);
-
-// Finds silhouettes in a square window. It keeps its tables
-// between silhouettes, so each thread needs its own.
+// Finds silhouettes in a square window. It keeps its tables between silhouettes, so each thread
+// needs its own.
 //
-// common/render draws coloured pictures with depths, pixel by pixel, which costs a hundred times as
-// much and leaves ends of rows that jump by whole pixels as a shape changes. Here a row is exact:
-// it ends where the middle of the row crosses the edge of a triangle, so that areas and moments are
+// common/render draws coloured pictures with depths, pixel by pixel, which is much more work and
+// leaves ends of rows that jump by whole pixels as a shape changes. Here a row is exact: it ends
+// where the middle of the row crosses the edge of a triangle, so that areas and moments are
 // continuous in the vertices. Only gaps within a row that are narrower than a column (of which
 // there are twice as many as rows) may be closed. O(T · rows crossed), memory O(rows²).
 class SilhouetteRaster {

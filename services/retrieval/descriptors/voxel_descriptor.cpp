@@ -1,5 +1,6 @@
 #include "services/retrieval/descriptors/voxel_descriptor.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -157,8 +158,8 @@ VoxelDescriptor::VoxelDescriptor(const VoxelSettings& settings)
   properties_.name = "voxel";
   properties_.dimension = settings.kernels * settings.kernels * settings.kernels;
   properties_.compares_turns = true;
-  properties_.natural_scale = 1;
-  properties_.sampling_noise = 0.02;
+  properties_.natural_scale = 0.6;
+  properties_.sampling_noise = 0.002;
 }
 
 absl::StatusOr<std::unique_ptr<BoundDescriptor>> VoxelDescriptor::Bind(

@@ -27,6 +27,20 @@ Silhouette Draw(const Drawing& drawing, const Eigen::Vector2d& corner = {0, 0}, 
   return SilhouetteRaster(128, corner, size).Draw(drawing.points, drawing.triangles);
 }
 
+double AreaOf(const Silhouette& silhouette) {
+  double length = 0;
+  for (const Span& span : silhouette.spans) length += span.end - span.begin;
+  return length * silhouette.row_height;
+}
+
+Eigen::Vector2d CentroidOf(const Silhouette& silhouette) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Span& span : silhouette.spans) {
+    sum += (span.end - span.begin) * Eigen::Vector2d((span.begin + span.end) / 2, span.y);
+  }
+  return sum * silhouette.row_height / AreaOf(silhouette);
+}
+
 TEST(SilhouetteTest, CountsOverlapsOnceAndKeepsHoles) {
   EXPECT_NEAR(AreaOf(Draw(Drawing().Add(0, 0, 4, 4))), 16, 1e-6);
   EXPECT_NEAR(AreaOf(Draw(Drawing().Add(0, 0, 4, 4).Add(1, 1, 2, 2))), 16, 1e-6);
