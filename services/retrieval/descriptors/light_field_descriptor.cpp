@@ -32,6 +32,15 @@ Sphere SphereAround(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& tr
   return sphere;
 }
 
+bool HasArea(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles) {
+  for (const auto& corners : triangles.colwise()) {
+    const Eigen::Vector3d a = vertices.col(corners[0]);
+    const Eigen::Vector3d ab = vertices.col(corners[1]) - a, ac = vertices.col(corners[2]) - a;
+    if (!ab.cross(ac).isZero(0)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // What is measured of each view.
@@ -46,7 +55,7 @@ class LightFieldDescriptor::Features {
   Eigen::Index views() const { return static_cast<Eigen::Index>(views_.size()); }
   Eigen::Index view_size() const { return zernike_.size() + fourier_.size(); }
 
-  // Zeros where no view shows an area.
+  // Zeros where no view shows an area, as of a needle.
   Eigen::VectorXd Of(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles) const {
     Eigen::VectorXd features = Eigen::VectorXd::Zero(views() * view_size());
     const Sphere sphere = SphereAround(vertices, triangles);
@@ -96,9 +105,10 @@ class LightFieldDescriptor::Bound : public BoundDescriptor {
 
   absl::StatusOr<Eigen::VectorXd> Describe(const Eigen::Matrix3Xd& vertices) const override {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd placed, ToReferenceBox(surface_, vertices));
-    Eigen::VectorXd features = features_->Of(placed, surface_.triangles);
-    if (features.isZero(0)) return InvalidField("vertices", "the surface has no area");
-    return features;
+    if (!HasArea(placed, surface_.triangles)) {
+      return InvalidField("vertices", "the surface has no area");
+    }
+    return features_->Of(placed, surface_.triangles);
   }
 
   absl::StatusOr<DescriptorDerivatives> Differentiate(

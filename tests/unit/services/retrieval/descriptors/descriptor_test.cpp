@@ -133,6 +133,9 @@ TEST_P(EveryDescriptor, DescribesFlatSurfacesAndSingleTriangles) {
   SurfaceMesh upright = sheet;
   upright.vertices.row(2).swap(upright.vertices.row(1));
   EXPECT_TRUE(Vector(upright).allFinite());
+  SurfaceMesh needle = triangle;
+  needle.vertices.row(1) *= 1e-8;
+  EXPECT_TRUE(Vector(needle).allFinite());
 }
 
 TEST_P(EveryDescriptor, RefusesWhatHasNoAreaOrIsBroken) {
