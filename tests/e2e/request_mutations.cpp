@@ -100,6 +100,8 @@ bool GivesName(const FieldDescriptor* field) {
                                               "mortise.v1.TaskAttempt.name",
                                               "mortise.v1.ListTasksRequest.evaluator",
                                               "mortise.v1.ListOperationsRequest.subject",
+                                              "mortise.v1.ListPlansRequest.subject",
+                                              "mortise.v1.ListWorkOrdersRequest.subject",
                                               "mortise.v1.GetQueueStatusRequest.evaluator"};
   return names.count(field->full_name()) != 0;
 }
@@ -112,6 +114,16 @@ bool IsLabel(const FieldDescriptor* field) {
       "mortise.v1.ProminentPlane.name",  "mortise.v1.MeshLoadCase.name",
       "mortise.v1.LoadCombination.name", "mortise.v1.MeshProbe.name"};
   return names.count(field->full_name()) != 0;
+}
+
+// Whether a method reads `field` of the message that `holder` holds: those that change external ids
+// and labels read nothing else of the resource.
+bool IsLookedAt(const FieldDescriptor* holder, const FieldDescriptor* field) {
+  static const std::set<std::string> resources = {"mortise.v1.UpdatePlanRequest.plan",
+                                                  "mortise.v1.UpdateWorkOrderRequest.work_order",
+                                                  "mortise.v1.UpdateWebhookRequest.webhook"};
+  static const std::set<std::string> names = {"name", "external_ids", "labels"};
+  return resources.count(holder->full_name()) == 0 || names.count(field->name()) != 0;
 }
 
 bool IsExpression(const FieldDescriptor* field) {
@@ -171,6 +183,7 @@ class Spoiler {
     if (route_.size() >= kDeepest) return;
     for (int i = 0; i < type->field_count(); ++i) {
       const FieldDescriptor* field = type->field(i);
+      if (!route_.empty() && !IsLookedAt(route_.back(), field)) continue;
       route_.push_back(field);
       Spoil(field);
       route_.pop_back();

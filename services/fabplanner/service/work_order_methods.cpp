@@ -57,7 +57,13 @@ v1::WorkOrder ClearAlarm(const FabPlanner& planner, const v1::HeldMachine& alarm
 // INVALID_ARGUMENT naming the field of a list's request that no order can meet.
 absl::Status CheckSubjectAndStates(const v1::ListWorkOrdersRequest& asked) {
   std::vector<FieldViolation> violations;
-  for (int i = 0; i < asked.states_size(); ++i) {
+  const int states_there_are = v1::WorkOrder::State_ARRAYSIZE - 1;  // but the unspecified one
+  if (asked.states_size() > states_there_are) {
+    violations.push_back(
+        {"states", absl::StrCat("has ", asked.states_size(), " entries; there are ",
+                                states_there_are, " states")});
+  }
+  for (int i = 0; i < std::min(asked.states_size(), states_there_are); ++i) {
     if (asked.states(i) != v1::WorkOrder::STATE_UNSPECIFIED) continue;
     violations.push_back({absl::StrCat("states[", i, "]"), "must be a state of work orders"});
   }

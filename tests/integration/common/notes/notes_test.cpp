@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/base/files.h"
 #include "common/rpc/status_mapping.h"
 #include "notes.grpc.pb.h"

@@ -16,9 +16,9 @@
 namespace mortise::resources {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 const Collection<v1::Evaluator> kEvaluators{
     .names = "evaluators", .kind = "solvers", .event = "evaluator"};
@@ -64,7 +64,7 @@ class CollectionTest : public ::testing::Test {
     return names;
   }
 
-  TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
   std::unique_ptr<store::Store> store_ =
       store::OpenStore({.url = "sqlite:" + (folder_.path() / "store.db").string()}).value();
 };
