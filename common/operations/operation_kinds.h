@@ -7,9 +7,10 @@ namespace mortise::jobs {
 inline constexpr char kPlanOperation[] = "fabplanner.plan";
 inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
 inline constexpr char kDiscoveryOperation[] = "pareto.discovery";
+inline constexpr char kIndexOperation[] = "retrieval.index";
 inline constexpr char kAnalysisOperation[] = "simulator.analysis";
 
-inline constexpr const char* kOperationKinds[] = {kPlanOperation, kWorkOrderOperation,
-                                                  kDiscoveryOperation, kAnalysisOperation};
+inline constexpr const char* kOperationKinds[] = {
+    kPlanOperation, kWorkOrderOperation, kDiscoveryOperation, kIndexOperation, kAnalysisOperation};
 
 }  // namespace mortise::jobs

@@ -21,6 +21,7 @@
 #include "mortise/v1/gateway.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
+#include "mortise/v1/retrieval.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 
 namespace mortise::e2e {
@@ -215,6 +216,14 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-24' work_order { name: '{order}' external_ids: '100-4711/A' } "
      "update_mask { paths: 'external_ids' }",
      Outcome::kChanges},
+    {"RetrievalService/SearchShapes",
+     "mesh { file: '{tetrahedron}' file_name: 't.stl' length_unit: 'mm' up: Z } "
+     "shape_descriptor: VOXEL limit: 3 templates: 'templates/table'",
+     Outcome::kRefused},
+    {"RetrievalService/BuildIndex", "request_id: 'bad-50' templates: 'templates/table'",
+     Outcome::kChanges},
+    {"RetrievalService/GetIndex", "name: 'indexes/voxel'", Outcome::kRefused},
+    {"RetrievalService/ListIndexes", "page_size: 10"},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "
@@ -413,6 +422,7 @@ std::vector<const FileDescriptor*> Files() {
           v1::AnalyzeDesignRequest::descriptor()->file(),
           v1::DiscoverFrontRequest::descriptor()->file(),
           v1::CreatePlanRequest::descriptor()->file(),
+          v1::SearchShapesRequest::descriptor()->file(),
           v1::GetOperationRequest::descriptor()->file(),
           v1::ReadEventsRequest::descriptor()->file(),
           v1::ListAuditRecordsRequest::descriptor()->file(),

@@ -197,8 +197,8 @@ absl::StatusOr<IndexArrays> ArraysOf(const Header& header, std::string_view byte
 
 }  // namespace
 
-absl::Status WriteIndex(const PrimitiveIndex& index, std::string_view descriptor,
-                        std::string_view about, const std::filesystem::path& path) {
+absl::StatusOr<std::string> IndexBytes(const PrimitiveIndex& index, std::string_view descriptor,
+                                       std::string_view about) {
   if (descriptor.empty() || descriptor.size() > kMostDescriptorName ||
       descriptor.find('\0') != std::string_view::npos) {
     return InvalidField("descriptor", absl::StrCat("must have 1 to ", kMostDescriptorName,
@@ -222,6 +222,12 @@ absl::Status WriteIndex(const PrimitiveIndex& index, std::string_view descriptor
   header.file_bytes = bytes.size();
   header.digest = DigestOf(header);
   std::memcpy(bytes.data(), &header, sizeof(Header));
+  return bytes;
+}
+
+absl::Status WriteIndex(const PrimitiveIndex& index, std::string_view descriptor,
+                        std::string_view about, const std::filesystem::path& path) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, IndexBytes(index, descriptor, about));
   return WriteFile(path, bytes);
 }
 

@@ -26,11 +26,15 @@ struct StoredIndex {
   std::string about;     // what the writer said
 };
 
-// Writes an index to `path`, under another name that is renamed when all is on disk: there is never
-// half a file, and who reads the old one goes on reading it. `descriptor` names the descriptor with
-// everything that its numbers depend on, "d2/1". `about` is the writer's: which families the
-// numbers stand for. INVALID_ARGUMENT for a name that is empty or too long; else as WriteFile of
-// common/base/files.h fails. Needs the file's size in memory.
+// The bytes of an index's file. `descriptor` names the descriptor with everything that its numbers
+// depend on, "d2/1". `about` is the writer's: which families the numbers stand for.
+// INVALID_ARGUMENT for a name that is empty or too long.
+absl::StatusOr<std::string> IndexBytes(const PrimitiveIndex& index, std::string_view descriptor,
+                                       std::string_view about);
+
+// Writes them to `path`, under another name that is renamed when all is on disk: there is never
+// half a file, and who reads the old one goes on reading it. Fails as IndexBytes and as WriteFile
+// of common/base/files.h.
 absl::Status WriteIndex(const PrimitiveIndex& index, std::string_view descriptor,
                         std::string_view about, const std::filesystem::path& path);
 

@@ -272,7 +272,7 @@ TEST_F(RunningServiceTest, FiltersThatMeanNothingAreRefusedByName) {
   request.set_kind("zzz");
   EXPECT_EQ(List(request).status().message(),
             "kind: 'zzz' is none of fabplanner.plan, fabplanner.workOrder, pareto.discovery, "
-            "simulator.analysis");
+            "retrieval.index, simulator.analysis");
   request.set_kind("");
   request.set_subject("nope");
   EXPECT_EQ(List(request).status().message(),

@@ -1,0 +1,24 @@
+// The methods about indexes.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "common/rpc/call.h"
+#include "common/store/store.h"
+#include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/service/retrieval.h"
+
+namespace mortise::retrieval::methods {
+
+absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::Call& call,
+                                         const v1::BuildIndexRequest& request,
+                                         store::Transaction& transaction);
+
+// NOT_FOUND for an index that was never built.
+absl::StatusOr<v1::ShapeIndex> GetIndex(const Retrieval& retrieval, const rpc::Call& call,
+                                        const v1::GetIndexRequest& request);
+
+absl::StatusOr<v1::ListIndexesResponse> ListIndexes(const Retrieval& retrieval,
+                                                    const rpc::Call& call,
+                                                    const v1::ListIndexesRequest& request);
+
+}  // namespace mortise::retrieval::methods

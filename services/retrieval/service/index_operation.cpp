@@ -1,0 +1,358 @@
+#include "services/retrieval/service/index_operation.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/digest.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/logging.h"
+#include "common/base/violation_lists.h"
+#include "common/host/operation_codec.h"
+#include "common/store/blob_folder.h"
+#include "services/retrieval/cover/manifold_cover.h"
+#include "services/retrieval/families/family_manifold.h"
+#include "services/retrieval/index/index_file.h"
+#include "services/retrieval/service/index_records.h"
+
+namespace mortise::retrieval {
+namespace {
+
+constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
+constexpr double kDeltaOfScale = 0.25;  // the default δ, of the distance of unlike shapes
+constexpr std::uint64_t kSeed = 1;
+constexpr int kMaxPrimitives = 1'000;        // of one template
+constexpr long kMaxEvaluations = 20'000;     // of one template
+constexpr int kMaxTemplates = 1000;          // that a request names
+constexpr char kCoverVersion[] = "cover 1";  // changes with what is made of the same template
+
+// One build of one index.
+class IndexBuild {
+ public:
+  IndexBuild(const IndexBuilding& building, jobs::OperationContext& context,
+             std::shared_ptr<const Descriptor> descriptor, v1::ShapeDescriptor kind, double delta,
+             const v1::BuildIndexRequest& request)
+      : building_(building),
+        context_(context),
+        descriptor_(std::move(descriptor)),
+        kind_(kind),
+        id_(IndexIdOf(kind)),
+        delta_(delta),
+        anew_(request.anew()),
+        wanted_(request.templates().begin(), request.templates().end()) {}
+
+  absl::StatusOr<v1::ShapeIndex> Run(const std::vector<v1::Template>& templates) {
+    MORTISE_RETURN_IF_ERROR(ForgetOthers(templates));
+    MORTISE_RETURN_IF_ERROR(CoverAll(templates));
+    return PutTogether(templates);
+  }
+
+ private:
+  // Covers of templates that there are no more.
+  absl::Status ForgetOthers(const std::vector<v1::Template>& templates) {
+    std::set<std::string> names;
+    for (const v1::Template& each : templates) names.insert(each.name());
+    return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers,
+                               ListCovers(transaction, id_));
+      for (const v1::ShapeIndex& cover : covers) {
+        const std::string& name = cover.families(0).template_();
+        if (!names.contains(name)) {
+          MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name));
+        }
+      }
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status CoverAll(const std::vector<v1::Template>& templates) {
+    std::atomic<std::size_t> next = 0;
+    std::atomic<int> done = 0;
+    std::mutex mutex;
+    absl::Status failed;
+    const auto work = [&] {
+      while (!context_.Cancelled()) {
+        const std::size_t i = next++;
+        if (i >= templates.size()) return;
+        const absl::Status covered = CoverOne(templates[i]);
+        const std::lock_guard lock(mutex);
+        if (failed.ok() && !covered.ok()) failed = covered;
+        if (!failed.ok()) return;
+        context_.ReportProgress({.done = ++done,
+                                 .total = static_cast<std::int64_t>(templates.size()),
+                                 .message = absl::StrCat("covering templates by ", id_)});
+      }
+    };
+    {
+      std::vector<std::jthread> threads;
+      const unsigned count = std::max(1U, std::thread::hardware_concurrency());
+      for (unsigned i = 0; i < count; ++i) threads.emplace_back(work);
+    }
+    if (context_.Cancelled()) return absl::CancelledError("the build was cancelled");
+    return failed;
+  }
+
+  // Fails only where the whole build must: what is wrong with the template is in its cover.
+  absl::Status CoverOne(const v1::Template& head) {
+    if (!wanted_.empty() && !wanted_.contains(head.name())) return absl::OkStatus();
+    const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
+        building_.templates.Get(head.name(), head.revision(), Origin());
+    if (absl::IsNotFound(compiled.status())) return absl::OkStatus();  // removed meanwhile
+    if (absl::IsUnavailable(compiled.status())) return compiled.status();
+    v1::ShapeIndex cover;
+    v1::ShapeIndex::Family& family = *cover.add_families();
+    family.set_template_(head.name());
+    family.set_template_revision(head.revision());
+    family.set_digest(DigestOf(compiled.ok() ? (*compiled)->digest : head.digest()));
+    MORTISE_ASSIGN_OR_RETURN(const bool is_known, IsKnown(family));
+    if (is_known) return absl::OkStatus();
+    std::vector<Primitive> primitives;
+    const absl::Status made =
+        compiled.ok() ? MakeCover(**compiled, &family, &primitives) : compiled.status();
+    if (context_.Cancelled()) return absl::OkStatus();
+    if (!made.ok()) {
+      family.set_fault(std::string(made.message()));
+      Log(LogLevel::kWarning, "a template cannot be searched",
+          {{"template", head.name()}, {"index", id_}, {"error", made.message()}});
+    }
+    return Store(std::move(cover), std::move(primitives));
+  }
+
+  rpc::Origin Origin() const {
+    return rpc::OwnOrigin(building_.environment.signer, rpc::Role::kViewer, CurrentTraceId(),
+                          kCatalogTimeout);
+  }
+
+  std::string DigestOf(const std::string& content) const {
+    return Sha256Hex(absl::StrFormat("%s %s %d %a %s", kCoverVersion, id_,
+                                     descriptor_->properties().dimension, delta_, content));
+  }
+
+  // Whether the template has this cover already, and its file is as it was written.
+  absl::StatusOr<bool> IsKnown(const v1::ShapeIndex::Family& family) const {
+    if (anew_) return false;
+    MORTISE_ASSIGN_OR_RETURN(
+        const std::optional<v1::ShapeIndex> known,
+        resources::ReadFrom<std::optional<v1::ShapeIndex>>(
+            *building_.environment.store, [&](store::ReadTransaction& transaction) {
+              return FindCover(transaction, id_, family.template_());
+            }));
+    return known && known->families(0).digest() == family.digest() &&
+           known->families(0).fault().empty() && ReadCover(*known).ok();
+  }
+
+  absl::Status MakeCover(const CompiledTemplate& compiled, v1::ShapeIndex::Family* family,
+                         std::vector<Primitive>* primitives) const {
+    MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold,
+                             MakeFamilyManifold(compiled.function, descriptor_));
+    CoverOptions options;
+    options.delta = delta_;
+    options.seed = kSeed;
+    options.most_primitives = kMaxPrimitives;
+    options.most_evaluations = kMaxEvaluations;
+    options.stop = context_.stop_token();
+    MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(*manifold, options));
+    std::set<int> structures;
+    for (const Primitive& primitive : cover.primitives) {
+      structures.insert(primitive.structure);
+      const bool is_point = primitive.axes.cols() == 0;
+      is_point ? family->set_points(family->points() + 1)
+               : family->set_tangents(family->tangents() + 1);
+    }
+    family->set_structures(static_cast<int>(structures.size()));
+    family->set_evaluations(cover.evaluations);
+    family->set_failed_evaluations(cover.failures);
+    family->set_truncated(cover.end != CoverEnd::kCovered);
+    *primitives = std::move(cover.primitives);
+    if (!primitives->empty()) return absl::OkStatus();
+    return absl::FailedPreconditionError("none of its designs can be made");
+  }
+
+  absl::Status Store(v1::ShapeIndex cover, std::vector<Primitive> primitives) {
+    if (!primitives.empty()) {
+      std::vector<FamilyCover> alone;
+      alone.push_back({.family = 0, .primitives = std::move(primitives)});
+      MORTISE_ASSIGN_OR_RETURN(*cover.mutable_sha256(), Keep(std::move(alone)));
+    }
+    cover.set_name(absl::StrCat(kIndexes.names, "/", id_));
+    cover.set_shape_descriptor(kind_);
+    cover.set_delta(delta_);
+    return context_.Transact(
+        [&](store::Transaction& transaction) { return PutCover(transaction, id_, cover); });
+  }
+
+  // The digest of an index of these covers, whose file is stored.
+  absl::StatusOr<std::string> Keep(std::vector<FamilyCover> covers) {
+    MORTISE_ASSIGN_OR_RETURN(const PrimitiveIndex index, PrimitiveIndex::Build(std::move(covers)));
+    MORTISE_ASSIGN_OR_RETURN(const std::string bytes, IndexBytes(index, id_, kCoverVersion));
+    return building_.blobs->Put(bytes);
+  }
+
+  // The index of all covers: a family's number in it is its place in the record.
+  absl::StatusOr<v1::ShapeIndex> PutTogether(const std::vector<v1::Template>& templates) {
+    MORTISE_ASSIGN_OR_RETURN(
+        const std::vector<v1::ShapeIndex> covers,
+        resources::ReadFrom<std::vector<v1::ShapeIndex>>(
+            *building_.environment.store,
+            [&](store::ReadTransaction& transaction) { return ListCovers(transaction, id_); }));
+    v1::ShapeIndex index;
+    index.set_name(absl::StrCat(kIndexes.names, "/", id_));
+    index.set_shape_descriptor(kind_);
+    index.set_delta(delta_);
+    std::map<std::string, std::int64_t> covered;
+    std::vector<FamilyCover> families;
+    for (const v1::ShapeIndex& cover : covers) {
+      const int number = index.families_size();
+      *index.add_families() = cover.families(0);
+      covered[cover.families(0).template_()] = cover.families(0).template_revision();
+      if (cover.sha256().empty()) continue;
+      MORTISE_ASSIGN_OR_RETURN(FamilyCover family, ReadCover(cover));
+      family.family = number;
+      families.push_back(std::move(family));
+    }
+    index.set_family_count(static_cast<int>(families.size()));
+    index.set_current(
+        std::all_of(templates.begin(), templates.end(), [&covered](const v1::Template& each) {
+          const auto found = covered.find(each.name());
+          return found != covered.end() && found->second == each.revision();
+        }));
+    if (!families.empty()) {
+      MORTISE_ASSIGN_OR_RETURN(*index.mutable_sha256(), Keep(std::move(families)));
+    }
+    MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) {
+      *index.mutable_build_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+          absl::ToUnixMicros(transaction.Now()));
+      return PutIndex(transaction, index, CurrentTraceId());
+    }));
+    return index;
+  }
+
+  absl::StatusOr<FamilyCover> ReadCover(const v1::ShapeIndex& cover) const {
+    MORTISE_ASSIGN_OR_RETURN(const std::filesystem::path path,
+                             building_.blobs->PathOf(cover.sha256()));
+    MORTISE_ASSIGN_OR_RETURN(const StoredIndex alone, ReadIndex(path, id_));
+    FamilyCover family;
+    family.primitives.resize(static_cast<std::size_t>(alone.index.primitives()));
+    for (int i = 0; i < alone.index.primitives(); ++i) {
+      // The index has them in an order of its own.
+      const auto number = static_cast<std::size_t>(
+          alone.index.arrays().primitives[static_cast<std::size_t>(i)].number);
+      if (number >= family.primitives.size()) {
+        return absl::DataLossError("a cover has other primitives than it says");
+      }
+      IndexMatch match;
+      match.entry = i;
+      family.primitives[number] = alone.index.PrimitiveOf(match);
+    }
+    return family;
+  }
+
+  const IndexBuilding& building_;
+  jobs::OperationContext& context_;
+  const std::shared_ptr<const Descriptor> descriptor_;
+  const v1::ShapeDescriptor kind_;
+  const std::string id_;
+  const double delta_;
+  const bool anew_;
+  const std::set<std::string> wanted_;  // templates that are covered; all if empty
+};
+
+// What the request says, or what the index has, or the default.
+absl::StatusOr<double> DeltaOf(const v1::BuildIndexRequest& request, const Descriptor& descriptor,
+                               store::Store& store) {
+  if (request.delta() > 0) return request.delta();
+  const absl::StatusOr<v1::ShapeIndex> present =
+      kIndexes.Get(store, absl::StrCat(kIndexes.names, "/", descriptor.properties().name));
+  if (present.ok()) return present->delta();
+  if (absl::IsNotFound(present.status())) return DefaultDelta(descriptor);
+  return present.status();
+}
+
+std::vector<v1::ShapeDescriptor> DescriptorsOf(const v1::BuildIndexRequest& request) {
+  std::set<v1::ShapeDescriptor> chosen;
+  for (const int each : request.shape_descriptors()) {
+    const auto descriptor = static_cast<v1::ShapeDescriptor>(each);
+    chosen.insert(descriptor == v1::SHAPE_DESCRIPTOR_UNSPECIFIED ? v1::D2 : descriptor);
+  }
+  if (chosen.empty()) return AllShapeDescriptors();
+  return {chosen.begin(), chosen.end()};
+}
+
+}  // namespace
+
+double DefaultDelta(const Descriptor& descriptor) {
+  return kDeltaOfScale * descriptor.properties().natural_scale;
+}
+
+absl::Status CheckRequest(const v1::BuildIndexRequest& request) {
+  absl::Status status;
+  const int descriptors = static_cast<int>(AllShapeDescriptors().size());
+  if (request.shape_descriptors_size() > descriptors) {
+    status = InvalidField("shape_descriptors", absl::StrCat("has more than ", descriptors));
+  }
+  if (request.templates_size() > kMaxTemplates) {
+    status =
+        Together(status, InvalidField("templates", absl::StrCat("has more than ", kMaxTemplates)));
+  }
+  for (int i = 0; i < request.templates_size() && i < kMaxTemplates; ++i) {
+    status = Together(status, ParseResourceName(request.templates(i), "templates",
+                                                absl::StrCat("templates[", i, "]"))
+                                  .status());
+  }
+  if (request.delta() == 0) return status;
+  if (!(request.delta() > 0)) {
+    status = Together(status, InvalidField("delta", "must be above 0, or 0 for a default"));
+  }
+  if (DescriptorsOf(request).size() == 1) return status;
+  return Together(status, InvalidField("delta", "is of one descriptor: name it"));
+}
+
+absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
+                                              jobs::OperationContext& context) {
+  v1::BuildIndexRequest request;
+  if (!request.ParseFromString(context.request())) {
+    return StorageFailed(context.name(), "the request is not readable");
+  }
+  rpc::RetryOptions retry;
+  retry.patience = kCatalogTimeout;  // the catalog may be starting again
+  retry.stop = context.stop_token();
+  context.ReportProgress({.total = 0, .message = "asking for the templates"});
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::vector<v1::Template> templates,
+      building.templates.List({},
+                              rpc::OwnOrigin(building.environment.signer, rpc::Role::kViewer,
+                                             CurrentTraceId(), kCatalogTimeout),
+                              retry));
+  for (const std::string& name : request.templates()) {
+    const bool is_there =
+        std::any_of(templates.begin(), templates.end(),
+                    [&](const v1::Template& each) { return each.name() == name; });
+    if (!is_there) return ResourceNotFound(name);
+  }
+  v1::BuildIndexResponse response;
+  for (const v1::ShapeDescriptor kind : DescriptorsOf(request)) {
+    MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<const Descriptor> descriptor,
+                             MakeDescriptor(IndexIdOf(kind)));
+    MORTISE_ASSIGN_OR_RETURN(const double delta,
+                             DeltaOf(request, *descriptor, *building.environment.store));
+    IndexBuild build(building, context, descriptor, kind, delta, request);
+    MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index, build.Run(templates));
+    index.clear_families();
+    *response.add_indexes() = std::move(index);
+  }
+  return rpc::PackResult(response);
+}
+
+}  // namespace mortise::retrieval

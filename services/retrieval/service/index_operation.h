@@ -1,0 +1,42 @@
+// The operation behind BuildIndex: covers what has not been covered, and puts the covers of all
+// templates together.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "common/host/run_service.h"
+#include "common/operations/operations.h"
+#include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/descriptors/descriptor.h"
+#include "services/retrieval/service/template_source.h"
+
+namespace mortise::store {
+class BlobFolder;
+}
+
+namespace mortise::retrieval {
+
+// How far from its cover a design may be, where a request does not say: in the descriptor's
+// distance.
+double DefaultDelta(const Descriptor& descriptor);
+
+// INVALID_ARGUMENT naming each field at fault.
+absl::Status CheckRequest(const v1::BuildIndexRequest& request);
+
+// What it stands on; all outlive it.
+struct IndexBuilding {
+  rpc::ServiceEnvironment& environment;
+  TemplateSource& templates;
+  store::BlobFolder* blobs;
+};
+
+// Runs it: the packed v1::BuildIndexResponse. Templates are covered on as many threads as there are
+// cores, each by itself, so that the index is the same on any number. A template that cannot be
+// covered is in the index with its fault, and is tried again by the next build. Cancelled, it keeps
+// the covers that are done, and the index stays as it was.
+absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
+                                              jobs::OperationContext& context);
+
+}  // namespace mortise::retrieval

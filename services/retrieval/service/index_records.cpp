@@ -1,0 +1,90 @@
+#include "services/retrieval/service/index_records.h"
+
+#include <nlohmann/json.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+
+namespace mortise::retrieval {
+namespace {
+
+constexpr char kCovers[] = "covers";
+constexpr int kAtOnce = 200;
+
+// A template's name has been checked: "templates/table" in the index "d2" is "d2/table".
+std::string KeyOf(const std::string& index, const std::string& template_name) {
+  return absl::StrCat(index, "/", template_name.substr(template_name.find('/') + 1));
+}
+
+}  // namespace
+
+std::string IndexIdOf(v1::ShapeDescriptor descriptor) {
+  switch (descriptor) {
+    case v1::VOXEL:
+      return "voxel";
+    case v1::LIGHT_FIELD:
+      return "light-field";
+    default:
+      return "d2";
+  }
+}
+
+std::vector<v1::ShapeDescriptor> AllShapeDescriptors() {
+  return {v1::D2, v1::VOXEL, v1::LIGHT_FIELD};
+}
+
+absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
+                                                        const std::string& index,
+                                                        const std::string& template_name) {
+  const absl::StatusOr<store::Record> record =
+      transaction.Get(kCovers, KeyOf(index, template_name));
+  if (absl::IsNotFound(record.status())) return std::nullopt;
+  MORTISE_RETURN_IF_ERROR(record.status());
+  MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex cover,
+                           resources::ParseRecord<v1::ShapeIndex>(kCovers, *record));
+  return cover;
+}
+
+absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
+                                                       const std::string& index) {
+  std::vector<v1::ShapeIndex> covers;
+  store::ListOptions options{.key_prefix = index + "/", .limit = kAtOnce};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                             transaction.List(kCovers, options));
+    for (const store::Record& record : records) {
+      MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex cover,
+                               resources::ParseRecord<v1::ShapeIndex>(kCovers, record));
+      covers.push_back(std::move(cover));
+    }
+    if (static_cast<int>(records.size()) < kAtOnce) return covers;
+    options.after_key = records.back().key;
+  }
+}
+
+absl::Status PutCover(store::Transaction& transaction, const std::string& index,
+                      const v1::ShapeIndex& cover) {
+  return transaction
+      .Put(kCovers, KeyOf(index, cover.families(0).template_()), cover.SerializeAsString())
+      .status();
+}
+
+absl::Status DeleteCover(store::Transaction& transaction, const std::string& index,
+                         const std::string& template_name) {
+  return transaction.Delete(kCovers, KeyOf(index, template_name));
+}
+
+absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,
+                      const std::string& trace_id) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string id,
+                           ParseResourceName(index.name(), kIndexes.names, "name"));
+  MORTISE_RETURN_IF_ERROR(transaction.Put(kIndexes.kind, id, index.SerializeAsString()).status());
+  const nlohmann::json data = {{"families", index.family_count()}, {"sha256", index.sha256()}};
+  return transaction.AppendEvent({.type = "index.updated",
+                                  .subject = index.name(),
+                                  .payload = data.dump(),
+                                  .trace_id = trace_id});
+}
+
+}  // namespace mortise::retrieval

@@ -1,0 +1,48 @@
+// Indexes and the covers they are made of, in the store; their primitives lie in the blob folder.
+//
+// A cover is an index of one template. It is stored as soon as it is made, so that building an
+// index goes on where it was stopped.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/resources/collection.h"
+#include "common/store/store.h"
+#include "mortise/v1/retrieval.pb.h"
+
+namespace mortise::retrieval {
+
+inline const resources::Collection<v1::ShapeIndex> kIndexes{
+    .names = "indexes", .kind = "indexes", .event = "index", .newest_first = false};
+
+// "d2", "voxel", "light-field"; the id of the descriptor's index. D2 where it is unspecified.
+std::string IndexIdOf(v1::ShapeDescriptor descriptor);
+
+// Every descriptor there is, in a fixed order.
+std::vector<v1::ShapeDescriptor> AllShapeDescriptors();
+
+// The cover of a template by an index's id, if there is one. STORAGE_FAILED for a damaged record.
+absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
+                                                        const std::string& index,
+                                                        const std::string& template_name);
+
+// The covers of an index, by name of their templates.
+absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
+                                                       const std::string& index);
+
+// Writes a cover, in place of that which the template had.
+absl::Status PutCover(store::Transaction& transaction, const std::string& index,
+                      const v1::ShapeIndex& cover);
+
+absl::Status DeleteCover(store::Transaction& transaction, const std::string& index,
+                         const std::string& template_name);
+
+// Writes an index and tells of it ("index.updated").
+absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,
+                      const std::string& trace_id);
+
+}  // namespace mortise::retrieval

@@ -1,0 +1,161 @@
+#include "services/retrieval/service/index_upkeep.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
+#include "common/store/store.h"
+#include "mortise/v1/events.grpc.pb.h"
+#include "services/retrieval/service/index_records.h"
+
+namespace mortise::retrieval {
+namespace {
+
+constexpr absl::Duration kReconnectAfter = absl::Seconds(2);
+constexpr absl::Duration kListTimeout = absl::Seconds(30);
+constexpr absl::Duration kLookAgainAfter = absl::Seconds(2);  // while an index is built
+constexpr char kCreator[] = "services/retrieval";
+
+// The revisions that an index covers, by template.
+std::map<std::string, std::int64_t> RevisionsOf(const v1::ShapeIndex& index) {
+  std::map<std::string, std::int64_t> revisions;
+  for (const v1::ShapeIndex::Family& family : index.families()) {
+    revisions[family.template_()] = family.template_revision();
+  }
+  return revisions;
+}
+
+absl::StatusOr<std::vector<v1::ShapeIndex>> AllIndexes(store::ReadTransaction& transaction) {
+  std::vector<v1::ShapeIndex> indexes;
+  for (const v1::ShapeDescriptor descriptor : AllShapeDescriptors()) {
+    const absl::StatusOr<store::Record> record =
+        transaction.Get(kIndexes.kind, IndexIdOf(descriptor));
+    if (absl::IsNotFound(record.status())) continue;
+    MORTISE_RETURN_IF_ERROR(record.status());
+    MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
+                             resources::ParseRecord<v1::ShapeIndex>(kIndexes.kind, *record));
+    indexes.push_back(std::move(index));
+  }
+  return indexes;
+}
+
+absl::StatusOr<bool> IsBuilding(jobs::Operations& operations) {
+  bool is_building = false;
+  MORTISE_RETURN_IF_ERROR(
+      operations.Visit("",
+                       {.states = {jobs::OperationState::kPending, jobs::OperationState::kRunning},
+                        .kind = jobs::kIndexOperation},
+                       [&is_building]() -> jobs::Operations::Visitor {
+                         is_building = false;
+                         return [&is_building](const jobs::Operation&) {
+                           is_building = true;
+                           return false;
+                         };
+                       }));
+  return is_building;
+}
+
+}  // namespace
+
+IndexUpkeep::IndexUpkeep(rpc::ServiceEnvironment& environment,
+                         std::shared_ptr<grpc::Channel> catalog, const TemplateSource& templates)
+    : environment_(environment),
+      catalog_(std::move(catalog)),
+      templates_(templates),
+      follower_([this](const std::stop_token& stop) { Follow(stop); }),
+      checker_([this](const std::stop_token& stop) { Check(stop); }) {}
+
+IndexUpkeep::~IndexUpkeep() {
+  follower_.request_stop();
+  checker_.request_stop();
+}
+
+rpc::Origin IndexUpkeep::Origin(absl::Duration timeout) const {
+  return rpc::OwnOrigin(environment_.signer, rpc::Role::kViewer, "", timeout);
+}
+
+void IndexUpkeep::Notice() {
+  {
+    const std::lock_guard lock(mutex_);
+    has_news_ = true;
+  }
+  noticed_.notify_all();
+}
+
+void IndexUpkeep::Follow(const std::stop_token& stop) {
+  const auto stub = v1::EventService::NewStub(catalog_);
+  v1::FollowEventsRequest request;
+  request.add_streams("catalog");
+  request.set_after_number(-1);
+  request.add_type_prefixes("template.");
+  do {
+    const std::unique_ptr<grpc::ClientContext> context =
+        rpc::MakeClientContext(Origin(absl::InfiniteDuration()));
+    const std::stop_callback stopping(stop, [&context] { context->TryCancel(); });
+    const auto events = stub->FollowEvents(context.get(), request);
+    Notice();  // of what has happened since it was last followed
+    for (v1::Event event; events->Read(&event);) Notice();
+    events->Finish().IgnoreError();
+  } while (rpc::Pause(kReconnectAfter, stop));
+}
+
+void IndexUpkeep::Check(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    {
+      std::unique_lock lock(mutex_);
+      if (!noticed_.wait(lock, stop, [this] { return has_news_; })) return;
+      has_news_ = false;
+    }
+    const absl::StatusOr<bool> is_settled = BringUp();
+    if (!is_settled.ok() && !absl::IsUnavailable(is_settled.status())) {
+      Log(LogLevel::kWarning, "indexes cannot be compared with the templates",
+          {{"error", is_settled.status().message()}});
+    }
+    if (is_settled.ok() && *is_settled) continue;
+    if (!rpc::Pause(kLookAgainAfter, stop)) return;
+    Notice();
+  }
+}
+
+// Whether nothing is left to be done. An index that is being built may miss what came meanwhile.
+absl::StatusOr<bool> IndexUpkeep::BringUp() {
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::vector<v1::ShapeIndex> indexes,
+      resources::ReadFrom<std::vector<v1::ShapeIndex>>(*environment_.store, AllIndexes));
+  if (indexes.empty()) return true;
+  MORTISE_ASSIGN_OR_RETURN(const bool is_building, IsBuilding(*environment_.operations));
+  if (is_building) return false;
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::Template> templates,
+                           templates_.List({}, Origin(kListTimeout)));
+  std::map<std::string, std::int64_t> present;
+  for (const v1::Template& each : templates) present[each.name()] = each.revision();
+  v1::BuildIndexRequest request;
+  MORTISE_RETURN_IF_ERROR(
+      environment_.store->Transact([&](store::Transaction& transaction) -> absl::Status {
+        request.clear_shape_descriptors();
+        for (v1::ShapeIndex index : indexes) {
+          if (RevisionsOf(index) == present) continue;
+          request.add_shape_descriptors(index.shape_descriptor());
+          if (!index.current()) continue;
+          index.set_current(false);
+          MORTISE_RETURN_IF_ERROR(PutIndex(transaction, index, ""));
+        }
+        if (request.shape_descriptors().empty()) return absl::OkStatus();
+        return environment_.operations
+            ->Start(transaction, {.kind = jobs::kIndexOperation,
+                                  .request = request.SerializeAsString(),
+                                  .subject = "indexes",
+                                  .creator = kCreator})
+            .status();
+      }));
+  return request.shape_descriptors().empty();
+}
+
+}  // namespace mortise::retrieval

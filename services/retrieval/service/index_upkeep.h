@@ -1,0 +1,49 @@
+// Keeps the indexes that there are up to the catalog's templates.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "absl/status/statusor.h"
+#include "common/host/run_service.h"
+#include "services/retrieval/service/template_source.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace mortise::retrieval {
+
+// Follows the catalog's events about templates. When a template has come, changed or gone, each
+// index that has been built says that it is not current, and an operation is started that brings it
+// up to the templates. What was missed while the catalog or this service was away is noticed when
+// they meet again. Indexes that were never built are left alone: building costs minutes of all
+// cores.
+class IndexUpkeep {
+ public:
+  // All outlive it.
+  IndexUpkeep(rpc::ServiceEnvironment& environment, std::shared_ptr<grpc::Channel> catalog,
+              const TemplateSource& templates);
+  ~IndexUpkeep();
+
+ private:
+  void Follow(const std::stop_token& stop);
+  void Check(const std::stop_token& stop);
+  absl::StatusOr<bool> BringUp();
+  void Notice();
+  rpc::Origin Origin(absl::Duration timeout) const;
+
+  rpc::ServiceEnvironment& environment_;
+  const std::shared_ptr<grpc::Channel> catalog_;
+  const TemplateSource& templates_;
+  std::mutex mutex_;
+  std::condition_variable_any noticed_;
+  bool has_news_ = false;
+  std::jthread follower_;
+  std::jthread checker_;
+};
+
+}  // namespace mortise::retrieval

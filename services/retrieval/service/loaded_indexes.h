@@ -1,0 +1,43 @@
+// The indexes that are searched, each read once.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "common/store/blob_folder.h"
+#include "common/store/store.h"
+#include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/descriptors/descriptor.h"
+#include "services/retrieval/index/primitive_index.h"
+
+namespace mortise::retrieval {
+
+// An index as it was stored, ready to be asked.
+struct LoadedIndex {
+  v1::ShapeIndex record;
+  std::unique_ptr<Descriptor> descriptor;
+  PrimitiveIndex primitives;
+};
+
+// Thread safe.
+class LoadedIndexes {
+ public:
+  // Both outlive it.
+  LoadedIndexes(store::Store* store, store::BlobFolder* blobs) : store_(store), blobs_(blobs) {}
+
+  // The index of a descriptor as it is stored now. FAILED_PRECONDITION, INDEX_MISSING, where there
+  // is none, and INDEX_DAMAGED, where its file is damaged, gone or of another version: it is never
+  // answered from, and building it again mends it.
+  absl::StatusOr<std::shared_ptr<const LoadedIndex>> Get(v1::ShapeDescriptor descriptor);
+
+ private:
+  store::Store* const store_;
+  store::BlobFolder* const blobs_;
+  std::mutex mutex_;
+  std::map<v1::ShapeDescriptor, std::shared_ptr<const LoadedIndex>> loaded_;
+};
+
+}  // namespace mortise::retrieval

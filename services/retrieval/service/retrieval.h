@@ -1,0 +1,16 @@
+// What the methods of RetrievalService stand on.
+#pragma once
+
+#include "common/host/run_service.h"
+#include "services/retrieval/service/loaded_indexes.h"
+#include "services/retrieval/service/template_source.h"
+
+namespace mortise::retrieval {
+
+struct Retrieval {
+  rpc::ServiceEnvironment& environment;
+  TemplateSource& templates;
+  LoadedIndexes& indexes;
+};
+
+}  // namespace mortise::retrieval

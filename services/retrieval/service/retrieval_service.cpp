@@ -1,0 +1,61 @@
+// Answers the methods of RetrievalService.
+#include "services/retrieval/service/retrieval_service.h"
+
+#include "common/base/errors.h"
+#include "common/operations/operation_kinds.h"
+#include "common/operations/operations.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/method_overrides.h"
+#include "common/store/store.h"
+#include "mortise/v1/retrieval.grpc.pb.h"
+#include "services/retrieval/service/index_methods.h"
+#include "services/retrieval/service/index_operation.h"
+#include "services/retrieval/service/index_upkeep.h"
+#include "services/retrieval/service/retrieval.h"
+#include "services/retrieval/service/search_methods.h"
+
+namespace mortise::retrieval {
+namespace {
+
+class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
+  using Contract = v1::RetrievalService::CallbackService;
+
+ public:
+  RetrievalAdapter(rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
+                   std::shared_ptr<grpc::Channel> catalog)
+      : templates_(catalog),
+        indexes_(environment.store, blobs),
+        retrieval_{environment, templates_, indexes_},
+        endpoint_(environment.dispatcher, "mortise.v1.RetrievalService"),
+        upkeep_(environment, std::move(catalog), templates_) {
+    environment.operations->Register(
+        jobs::kIndexOperation, [this, blobs](jobs::OperationContext& context) {
+          return RunIndexOperation({retrieval_.environment, templates_, blobs}, context);
+        });
+  }
+
+  MORTISE_QUERY(SearchShapes, rpc::With(retrieval_, methods::SearchShapes))
+  MORTISE_MUTATION(BuildIndex, rpc::With(retrieval_, methods::BuildIndex))
+  MORTISE_QUERY(GetIndex, rpc::With(retrieval_, methods::GetIndex))
+  MORTISE_QUERY(ListIndexes, rpc::With(retrieval_, methods::ListIndexes))
+
+ private:
+  TemplateSource templates_;
+  LoadedIndexes indexes_;
+  const Retrieval retrieval_;
+  rpc::Endpoint endpoint_;
+  const IndexUpkeep upkeep_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
+    rpc::ServiceEnvironment& environment) {
+  MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment.store->Blobs());
+  MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> catalog,
+                           environment.peers->Channel("catalog"));
+  return std::vector<std::shared_ptr<grpc::Service>>{
+      std::make_shared<RetrievalAdapter>(environment, blobs, std::move(catalog))};
+}
+
+}  // namespace mortise::retrieval

@@ -1,0 +1,64 @@
+#include "services/retrieval/service/template_source.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/bundles/bundle_source.h"
+#include "common/templates/template_codec.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+
+namespace mortise::retrieval {
+namespace {
+
+constexpr int kPageSize = 1000;
+constexpr std::size_t kSurfaceBytes = std::size_t{16} << 20;
+
+}  // namespace
+
+TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
+    : catalog_(catalog), shapes_(std::move(catalog), kSurfaceBytes), kept_(capacity) {}
+
+absl::StatusOr<std::vector<v1::Template>> TemplateSource::List(
+    const v1::ResourceFilter& filter, const rpc::Origin& origin,
+    const rpc::RetryOptions& retry) const {
+  const auto stub = v1::CatalogService::NewStub(catalog_);
+  v1::ListTemplatesRequest request;
+  request.set_page_size(kPageSize);
+  *request.mutable_filter() = filter;
+  std::vector<v1::Template> templates;
+  do {
+    MORTISE_ASSIGN_OR_RETURN(
+        v1::ListTemplatesResponse page,
+        rpc::CallUnary(*stub, &v1::CatalogService::Stub::ListTemplates, request, origin, retry));
+    for (v1::Template& each : *page.mutable_templates()) templates.push_back(std::move(each));
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return templates;
+}
+
+absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
+    const std::string& name, std::int64_t revision, const rpc::Origin& origin) {
+  MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "template").status());
+  if (revision < 0) return InvalidField("template_revision", "must not be negative");
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
+                           bundles::FetchBundle(catalog_, name, revision, origin));
+  const std::string digest = bundles::ContentDigest(bundle);
+  const std::string key = absl::StrCat(name, "/", bundle.template_().revision(), "/", digest);
+  return kept_.Get(key, [&]() -> absl::StatusOr<Kept::Made> {
+    MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, {}, origin));
+    CompiledTemplate compiled{.name = name,
+                              .revision = bundle.template_().revision(),
+                              .digest = digest,
+                              .title = bundle.template_().title(),
+                              .function = nullptr};
+    MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
+    const std::size_t bytes = compiled.function->MemoryUse();
+    return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
+  });
+}
+
+}  // namespace mortise::retrieval

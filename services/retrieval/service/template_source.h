@@ -1,0 +1,54 @@
+// The templates of the catalog, as families that can be searched.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
+#include "common/bundles/shape_source.h"
+#include "common/rpc/channel.h"
+#include "common/templates/template.h"
+#include "mortise/v1/catalog.pb.h"
+
+namespace mortise::retrieval {
+
+// A template revision ready for evaluation.
+struct CompiledTemplate {
+  std::string name;  // templates/{id}
+  std::int64_t revision = 0;
+  std::string digest;  // bundles::ContentDigest
+  std::string title;
+  std::shared_ptr<const templates::Template> function;
+};
+
+// Thread safe.
+class TemplateSource {
+ public:
+  // `capacity`: bytes of compiled revisions that are kept, the least recently used forgotten first.
+  explicit TemplateSource(std::shared_ptr<grpc::Channel> catalog,
+                          std::size_t capacity = std::size_t{256} << 20);
+
+  // The latest revisions that meet the filter, by name, without what they are made of. UNAVAILABLE;
+  // INVALID_ARGUMENT as the catalog tells it.
+  absl::StatusOr<std::vector<v1::Template>> List(const v1::ResourceFilter& filter,
+                                                 const rpc::Origin& origin,
+                                                 const rpc::RetryOptions& retry = {}) const;
+
+  // The revision, or the latest for 0. NOT_FOUND; INVALID_ARGUMENT naming "template" or
+  // "template_revision"; UNAVAILABLE; as templates::Compile.
+  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
+                                                              std::int64_t revision,
+                                                              const rpc::Origin& origin);
+
+ private:
+  using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
+
+  const std::shared_ptr<grpc::Channel> catalog_;
+  bundles::ShapeSource shapes_;
+  Kept kept_;  // by name, revision and digest
+};
+
+}  // namespace mortise::retrieval

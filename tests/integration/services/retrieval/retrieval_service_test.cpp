@@ -1,0 +1,293 @@
+// mortise-retrieval as a real process, beside a catalog with a few templates: from no index to the
+// templates that a shape can be.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/violation_lists.h"
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/events.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/retrieval.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
+#include "tests/integration/services/filled_catalog.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::retrieval {
+namespace {
+
+using testing::Call;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+// A collection of a table and a boat.
+class SmallCollection {
+ public:
+  SmallCollection() {
+    namespace fs = std::filesystem;
+    const fs::path shipped = testing::ShippedCollection();
+    for (const char* each : {"materials.textproto", "versions.csv"}) {
+      fs::copy(shipped / each, folder_.path() / each);
+    }
+    for (const char* each : {"items", "shapes", "cage_templates"}) {
+      fs::copy(shipped / each, folder_.path() / each, fs::copy_options::recursive);
+    }
+    fs::create_directories(folder_.path() / "designs");
+    fs::copy(shipped / "designs/table", folder_.path() / "designs/table",
+             fs::copy_options::recursive);
+  }
+
+  std::string path() const { return folder_.path().string(); }
+
+ private:
+  testing::TemporaryFolder folder_;
+};
+
+// A catalog with that collection, and the service.
+class RetrievalHouse {
+ public:
+  RetrievalHouse() { Connect(); }
+
+  // kill -9, and started again on the same state.
+  void KillAndStart() {
+    service_.Kill();
+    service_.Start();
+    Connect();
+  }
+
+  v1::RetrievalService::Stub& retrieval() { return *retrieval_; }
+  v1::CatalogService::Stub& catalog() { return *catalog_stub_; }
+  const std::shared_ptr<grpc::Channel>& channel() const { return service_.channel(); }
+
+  absl::StatusOr<v1::Operation> StartBuild(const std::string& id, double delta) {
+    v1::BuildIndexRequest request;
+    request.set_request_id(id);
+    request.add_shape_descriptors(v1::D2);
+    request.set_delta(delta);
+    return Call(*retrieval_, &v1::RetrievalService::Stub::BuildIndex, request);
+  }
+
+  absl::StatusOr<v1::Operation> Await(const std::string& operation) {
+    const auto operations = v1::OperationService::NewStub(service_.channel());
+    v1::WaitOperationRequest wait;
+    wait.set_name(operation);
+    wait.set_timeout_seconds(180);
+    return Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
+  }
+
+  v1::Operation Build(const std::string& id, double delta) {
+    const auto started = StartBuild(id, delta);
+    EXPECT_TRUE(started.ok()) << started.status();
+    const auto done = Await(started->name());
+    EXPECT_TRUE(done.ok()) << done.status();
+    EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
+    return *done;
+  }
+
+  absl::StatusOr<v1::SearchShapesResponse> Search(const v1::SearchShapesRequest& request) {
+    return Call(*retrieval_, &v1::RetrievalService::Stub::SearchShapes, request);
+  }
+
+  absl::StatusOr<v1::ShapeIndex> Index() {
+    v1::GetIndexRequest get;
+    get.set_name("indexes/d2");
+    return Call(*retrieval_, &v1::RetrievalService::Stub::GetIndex, get);
+  }
+
+ private:
+  void Connect() {
+    retrieval_ = v1::RetrievalService::NewStub(service_.channel());
+    catalog_stub_ = v1::CatalogService::NewStub(catalog_.channel());
+  }
+
+  const SmallCollection collection_;
+  testing::ServiceUnderTest catalog_{"mortise-catalog", {"--collection=" + collection_.path()}};
+  testing::ServiceUnderTest service_{"mortise-retrieval", {"--peer=catalog=" + catalog_.address()}};
+  std::unique_ptr<v1::RetrievalService::Stub> retrieval_;
+  std::unique_ptr<v1::CatalogService::Stub> catalog_stub_;
+};
+
+constexpr double kFine = 0.15;   // δ of an index that tells the two apart
+constexpr double kCoarse = 0.5;  // of one that is made in seconds
+
+// Searches change nothing: they share an index.
+class SearchTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    house_ = std::make_unique<RetrievalHouse>();
+    house_->Build("shared", kFine);
+  }
+  static void TearDownTestSuite() { house_.reset(); }
+
+  // The design of a template as an OBJ file.
+  static std::string ObjOf(const std::string& name,
+                           const std::vector<v1::ParameterValue>& parameters) {
+    v1::ExportDesignRequest request;
+    request.set_name(name);
+    request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
+    request.set_format(v1::ExportDesignRequest::OBJ);
+    grpc::ClientContext context;
+    testing::Prepare(context);
+    const auto bytes = testing::ReadChunks(*house_->catalog().ExportDesign(&context, request));
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return bytes.value_or("");
+  }
+
+  static v1::ParameterValue Value(const std::string& name, double value) {
+    v1::ParameterValue parameter;
+    parameter.set_name(name);
+    parameter.set_value(value);
+    return parameter;
+  }
+
+  static absl::StatusOr<v1::SearchShapesResponse> Search(const v1::SearchShapesRequest& request) {
+    return house_->Search(request);
+  }
+
+  static std::unique_ptr<RetrievalHouse> house_;
+};
+
+std::unique_ptr<RetrievalHouse> SearchTest::house_;
+
+TEST_F(SearchTest, FindsTheTemplateThatAMeshWasMadeOf) {
+  const auto index = house_->Index();
+  ASSERT_TRUE(index.ok()) << index.status();
+  std::vector<std::string> names;
+  for (const v1::ShapeIndex::Family& family : index->families()) {
+    names.push_back(family.template_());
+    EXPECT_EQ(family.fault(), "") << family.template_();
+    EXPECT_GT(family.points() + family.tangents(), 0) << family.template_();
+  }
+  EXPECT_THAT(names, UnorderedElementsAre("templates/boat", "templates/table"));
+  EXPECT_TRUE(index->current());
+
+  v1::SearchShapesRequest request;
+  request.mutable_mesh()->set_file(
+      ObjOf("templates/table", {Value("length", 1.6), Value("height", 0.6)}));
+  request.mutable_mesh()->set_file_name("table.obj");
+  request.mutable_mesh()->set_length_unit("m");
+  request.set_with_sheet(true);
+  const auto found = Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches_size(), 2);
+  EXPECT_EQ(found->matches(0).template_(), "templates/table");
+  EXPECT_LE(found->matches(0).distance(), index->delta());
+  EXPECT_LT(found->matches(0).distance(), found->matches(1).distance());
+  EXPECT_EQ(found->matches(0).parameters_size(), 6);
+  EXPECT_EQ(found->sheet().substr(1, 3), "PNG");
+}
+
+TEST_F(SearchTest, FindsADesignByTheParametersOfItsMatch) {
+  v1::SearchShapesRequest request;
+  request.mutable_design()->set_template_("templates/table");
+  *request.mutable_design()->add_parameters() = Value("length", 1.9);
+  const auto found = Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches(0).template_(), "templates/table");
+  // The design that the match tells of is one that the index knows.
+  v1::SearchShapesRequest again;
+  again.mutable_design()->set_template_("templates/table");
+  *again.mutable_design()->mutable_parameters() = found->matches(0).parameters();
+  const auto known = Search(again);
+  ASSERT_TRUE(known.ok()) << known.status();
+  EXPECT_LT(known->matches(0).distance(), 0.06) << "more than the noise of the descriptor";
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(known->matches(0).parameters(i).value(), found->matches(0).parameters(i).value());
+  }
+}
+
+TEST_F(SearchTest, LooksAmongTheTemplatesThatAreNamed) {
+  v1::SearchShapesRequest request;
+  request.mutable_design()->set_template_("templates/table");
+  request.add_templates("templates/boat");
+  const auto only = Search(request);
+  ASSERT_TRUE(only.ok()) << only.status();
+  ASSERT_EQ(only->matches_size(), 1);
+  EXPECT_EQ(only->matches(0).template_(), "templates/boat");
+}
+
+TEST_F(SearchTest, NamesWhatIsWrongWithASearch) {
+  v1::SearchShapesRequest request;
+  EXPECT_EQ(DetailOf(Search(request).status()).field, "query");
+  request.mutable_mesh()->set_file("nothing that could be a mesh");
+  request.mutable_mesh()->set_length_unit("cubit");
+  request.set_limit(-1);
+  request.add_templates("items/board");
+  const absl::Status refused = Search(request).status();
+  std::vector<std::string> fields;
+  for (const FieldViolation& each : AllViolationsOf(refused)) fields.push_back(each.field);
+  EXPECT_THAT(fields, ElementsAre("limit", "templates[0]", "mesh.length_unit"));
+  request = {};
+  request.mutable_mesh()->set_file("nothing that could be a mesh");
+  EXPECT_EQ(DetailOf(Search(request).status()).field, "mesh.file");
+  request.mutable_design()->set_template_("templates/none");
+  EXPECT_TRUE(absl::IsNotFound(Search(request).status()));
+  request.mutable_design()->set_template_("templates/table");
+  request.mutable_design()->add_parts("no such part");
+  EXPECT_EQ(DetailOf(Search(request).status()).field, "design.parts");
+  request.mutable_design()->clear_parts();
+  request.set_shape_descriptor(v1::VOXEL);
+  const absl::Status missing = Search(request).status();
+  EXPECT_EQ(missing.code(), absl::StatusCode::kFailedPrecondition) << missing;
+  EXPECT_EQ(DetailOf(missing).reason, "INDEX_MISSING");
+}
+
+TEST(IndexTest, GoesOnWithABuildThatWasKilled) {
+  RetrievalHouse house;
+  const auto started = house.StartBuild("first", kCoarse);
+  ASSERT_TRUE(started.ok()) << started.status();
+  house.KillAndStart();
+  const auto done = house.Await(started->name());
+  ASSERT_TRUE(done.ok()) << done.status();
+  ASSERT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
+  v1::BuildIndexResponse built;
+  ASSERT_TRUE(done->result().UnpackTo(&built));
+  const std::string digest = built.indexes(0).sha256();
+  EXPECT_EQ(built.indexes(0).family_count(), 2);
+
+  // What is known is not covered again, and gives the same index to the bit.
+  const v1::Operation again = house.Build("again", kCoarse);
+  ASSERT_TRUE(again.result().UnpackTo(&built));
+  EXPECT_EQ(built.indexes(0).sha256(), digest);
+}
+
+TEST(IndexTest, IsKeptUpToTheTemplates) {
+  RetrievalHouse house;
+  house.Build("first", kCoarse);
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  v1::FollowEventsRequest follow;
+  follow.set_after_number(-1);
+  follow.add_type_prefixes("index.");
+  const auto stub = v1::EventService::NewStub(house.channel());
+  const auto events = stub->FollowEvents(&context, follow);
+
+  v1::DeleteTemplateRequest remove;
+  remove.set_request_id("no-boat");
+  remove.set_name("templates/boat");
+  remove.set_revision(1);
+  const auto removed = Call(house.catalog(), &v1::CatalogService::Stub::DeleteTemplate, remove);
+  ASSERT_TRUE(removed.ok()) << removed.status();
+
+  v1::ShapeIndex index;
+  for (v1::Event event; events->Read(&event);) {
+    const auto now = house.Index();
+    ASSERT_TRUE(now.ok()) << now.status();
+    index = *now;
+    if (index.current() && index.family_count() == 1) break;
+  }
+  context.TryCancel();
+  EXPECT_EQ(index.family_count(), 1);
+  EXPECT_TRUE(index.current());
+}
+
+}  // namespace
+}  // namespace mortise::retrieval
