@@ -24,6 +24,7 @@ void AddFabCommands(CLI::App& app, Session& session);   // fab release|list|watc
 void AddListCommand(CLI::App& app, Session& session);   // list
 void AddLabelCommand(CLI::App& app, Session& session);  // label
 void AddFindCommand(CLI::App& app, Session& session);   // find
+void AddRetrievalCommands(CLI::App& app, Session& session);  // search, index build|status
 void AddOperationCommands(CLI::App& app, Session& session);  // operations list|show|watch|cancel
 void AddEventsCommand(CLI::App& app, Session& session);      // events
 void AddDemoCommand(CLI::App& app, Session& session);        // demo

@@ -1,0 +1,240 @@
+// mortise search, mortise index: templates by shape.
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/client/field_sources.h"
+#include "cli/client/requests.h"
+#include "cli/client/session.h"
+#include "cli/commands/commands.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/retrieval.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+struct SearchOptions {
+  std::string mesh;
+  std::string design;
+  std::vector<std::string> parameters;
+  std::vector<std::string> parts;
+  std::string descriptor = "d2";
+  std::string unit, up;
+  int top = 10;
+  std::vector<std::string> templates;
+  std::filesystem::path sheet;
+};
+
+struct IndexOptions {
+  std::vector<std::string> templates;
+  std::vector<std::string> descriptors;
+  std::string delta;
+  bool anew = false;
+  bool detach = false;
+};
+
+FieldSources SourcesOf(const SearchOptions& options) {
+  FieldSources sources;
+  sources.Add("mesh", options.mesh);
+  sources.Add("mesh.length_unit", "--unit");
+  sources.Add("mesh.up", "--up");
+  sources.Add("design.template", "--design");
+  sources.AddEach("design.parameters", "--set", options.parameters);
+  sources.Add("design.parts", "--part");
+  sources.Add("shape_descriptor", "--descriptor");
+  sources.Add("limit", "--top");
+  sources.AddEach("templates", "--template", options.templates);
+  return sources;
+}
+
+absl::StatusOr<v1::ShapeDescriptor> DescriptorOf(const std::string& name) {
+  if (name == "d2") return v1::D2;
+  if (name == "voxel") return v1::VOXEL;
+  if (name == "light-field") return v1::LIGHT_FIELD;
+  return InvalidField("--descriptor",
+                      absl::StrCat("'", name, "' is none of d2, voxel, light-field"));
+}
+
+absl::StatusOr<v1::Axis> AxisOf(const std::string& name) {
+  if (name.empty()) return v1::AXIS_UNSPECIFIED;
+  if (name == "x") return v1::X;
+  if (name == "y") return v1::Y;
+  if (name == "z") return v1::Z;
+  return InvalidField("--up", absl::StrCat("'", name, "' is none of x, y, z"));
+}
+
+absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) {
+  if (options.mesh.empty() == options.design.empty()) {
+    return InvalidField("MESH", "give a file with a mesh, or a template with --design");
+  }
+  v1::SearchShapesRequest request;
+  MORTISE_ASSIGN_OR_RETURN(const v1::ShapeDescriptor descriptor, DescriptorOf(options.descriptor));
+  request.set_shape_descriptor(descriptor);
+  request.set_limit(options.top);
+  request.set_with_sheet(!options.sheet.empty());
+  for (const std::string& name : options.templates) {
+    request.add_templates(ResourceName("templates", name));
+  }
+  if (options.design.empty()) {
+    v1::QueryMesh& mesh = *request.mutable_mesh();
+    MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh));
+    mesh.set_file_name(std::filesystem::path(options.mesh).filename().string());
+    mesh.set_length_unit(options.unit);
+    MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, AxisOf(options.up));
+    mesh.set_up(up);
+    return request;
+  }
+  v1::QueryDesign& design = *request.mutable_design();
+  design.set_template_(ResourceName("templates", options.design));
+  MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
+  design.mutable_parameters()->Assign(parameters.begin(), parameters.end());
+  design.mutable_parts()->Assign(options.parts.begin(), options.parts.end());
+  return request;
+}
+
+std::string TextOf(const google::protobuf::RepeatedPtrField<v1::ParameterValue>& parameters) {
+  std::string text;
+  for (const v1::ParameterValue& parameter : parameters) {
+    absl::StrAppendFormat(&text, "%s%s=%.4g", text.empty() ? "" : " ", parameter.name(),
+                          parameter.value());
+  }
+  return text;
+}
+
+absl::Status Search(const SearchOptions& options, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(const v1::SearchShapesRequest request, RequestOf(options));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::RetrievalService::NewStub(client->channel());
+  v1::SearchShapesResponse found;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->SearchShapes(&context, request, &found));
+  }));
+  if (!options.sheet.empty()) {
+    MORTISE_RETURN_IF_ERROR(WriteFile(options.sheet, found.sheet()));
+    found.clear_sheet();
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ShapeMatch& match : found.matches()) {
+    rows.push_back({match.template_(), absl::StrFormat("%.4g", match.distance()),
+                    match.turn() == 0 ? "" : absl::StrCat(match.turn(), "°"),
+                    TextOf(match.parameters())});
+  }
+  output.Table({"template", "distance", "turned", "parameters"}, rows);
+  for (const std::string& note : found.notes()) output.Line(note);
+  if (!options.sheet.empty()) output.Line(absl::StrCat("  ", options.sheet.string()));
+  output.DocumentOf(found);
+  return absl::OkStatus();
+}
+
+std::vector<std::string> RowOf(const v1::ShapeIndex& index) {
+  return {index.name(), absl::StrCat(index.family_count()), absl::StrFormat("%.3g", index.delta()),
+          index.current() ? "yes" : "no"};
+}
+
+absl::Status Build(const IndexOptions& options, Session& session, Output& output) {
+  v1::BuildIndexRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_anew(options.anew);
+  for (const std::string& name : options.descriptors) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::ShapeDescriptor descriptor, DescriptorOf(name));
+    request.add_shape_descriptors(descriptor);
+  }
+  for (const std::string& name : options.templates) {
+    request.add_templates(ResourceName("templates", name));
+  }
+  if (!options.delta.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const double delta, ParseQuantity(options.delta, "--delta"));
+    request.set_delta(delta);
+  }
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::RetrievalService::NewStub(client->channel());
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<v1::BuildIndexResponse> built,
+      RunTo<v1::BuildIndexResponse>(
+          *client, session.Work(options.detach),
+          [&](grpc::ClientContext& context, v1::Operation* operation) {
+            return rpc::FromGrpc(stub->BuildIndex(&context, request, operation));
+          },
+          output));
+  if (!built) return absl::OkStatus();
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ShapeIndex& index : built->indexes()) rows.push_back(RowOf(index));
+  output.Table({"index", "templates", "delta", "current"}, rows);
+  output.DocumentOf(*built);
+  return absl::OkStatus();
+}
+
+absl::Status ShowStatus(Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::RetrievalService::NewStub(client->channel());
+  v1::ListIndexesResponse listed;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->ListIndexes(&context, {}, &listed));
+  }));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ShapeIndex& index : listed.indexes()) rows.push_back(RowOf(index));
+  output.Table({"index", "templates", "delta", "current"}, rows);
+  if (listed.indexes().empty()) output.Line("no index yet: mortise index build");
+  output.DocumentOf(listed);
+  return absl::OkStatus();
+}
+
+void AddSearch(CLI::App& app, Session& session) {
+  auto options = std::make_shared<SearchOptions>();
+  CLI::App* search = app.add_subcommand("search", "Find the templates that can become a shape");
+  search->add_option("mesh", options->mesh, "File with a mesh: OBJ, OFF, PLY, STL, GLB or glTF");
+  search->add_option("--design", options->design, "A template whose design is looked for instead");
+  search->add_option("--set", options->parameters,
+                     "NAME=VALUE of that design, such as length=1500mm");
+  search->add_option("--part", options->parts, "Only this part of the design; may be repeated");
+  search->add_option("--descriptor", options->descriptor, "d2, voxel or light-field")
+      ->capture_default_str();
+  search->add_option("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft");
+  search->add_option("--up", options->up, "Axis of the mesh that points upwards: x, y or z");
+  search->add_option("--top", options->top, "How many matches")->capture_default_str();
+  search->add_option("--template", options->templates, "Only this template; may be repeated");
+  search->add_option("--sheet", options->sheet, "PNG file for a picture of the matches");
+  search->footer("Example: mortise search chair.obj --top 5 --sheet out.png");
+  search->callback([&session, options] {
+    session.command = [options](Session& s, Output& output) {
+      return SourcesOf(*options).Name(Search(*options, s, output));
+    };
+  });
+}
+
+void AddIndex(CLI::App& app, Session& session) {
+  CLI::App* index = app.add_subcommand("index", "What searches by shape stand on");
+  index->require_subcommand(1);
+  auto options = std::make_shared<IndexOptions>();
+  CLI::App* build = index->add_subcommand("build", "Bring indexes up to the templates there are");
+  build->add_option("template", options->templates, "Only these templates; all if none is named");
+  build->add_option("--descriptor", options->descriptors,
+                    "Only this one: d2, voxel or light-field; may be repeated");
+  build->add_option("--delta", options->delta,
+                    "How far a design may be from its cover, in the descriptor's distance");
+  build->add_flag("--anew", options->anew, "Cover again what is covered");
+  AddDetach(*build, options->detach);
+  build->footer("Example: mortise index build --descriptor d2");
+  build->callback([&session, options] {
+    session.command = [options](Session& s, Output& output) { return Build(*options, s, output); };
+  });
+  CLI::App* status = index->add_subcommand("status", "The indexes there are");
+  status->footer("Example: mortise index status");
+  status->callback([&session] { session.command = ShowStatus; });
+  index->footer("Example: mortise index build");
+}
+
+}  // namespace
+
+void AddRetrievalCommands(CLI::App& app, Session& session) {
+  AddSearch(app, session);
+  AddIndex(app, session);
+}
+
+}  // namespace mortise::cli
