@@ -27,8 +27,8 @@
 namespace mortise::simulator {
 namespace {
 
-using ::testing::HasSubstr;
 using bundles::ShapeSource;
+using ::testing::HasSubstr;
 
 constexpr std::size_t kThreads = 8;
 
