@@ -54,13 +54,13 @@ class PerformanceBuffer {
   // Returns the unit vector along the ray through the middle of a cell.
   Eigen::VectorXd DirectionOf(CellId cell) const;
 
-  // // Returns n, at present.
+  // Returns n, at present.
   int cells_per_angle() const { return cells_per_angle_; }
 
-  // // Returns d.
+  // Returns d.
   Eigen::Index metric_count() const { return metric_count_; }
 
-  // // Returns n^(d-1).
+  // Returns n^(d-1).
   CellId CellCount() const;
 
   // Offers an entry; returns whether it became a candidate. `improvement` (optional) is set to how

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 

@@ -80,7 +80,7 @@ class AskTell {
   virtual std::int64_t initial_samples() const = 0;
 };
 
-// // Returns "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
+// Returns "BUDGET", "CONVERGED", "CANCELLED", "EVALUATOR_LOST" or "RUNNING".
 const char* StopReasonName(AskTell::StopReason reason);
 
 }  // namespace mortise::pareto

@@ -44,10 +44,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
 #include "services/pareto/archive/failure_tally.h"
 #include "services/pareto/archive/performance_buffer.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/discovery/ask_tell.h"
 #include "services/pareto/discovery/combination_search.h"
 #include "services/pareto/discovery/discovery.h"

@@ -27,8 +27,8 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/performance_buffer.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/sources/front_bridging.h"
 #include "services/pareto/sources/local_optimization.h"
 
@@ -88,7 +88,7 @@ class TrackScheduler {
   // `force_sample` it is a stochastic sample, which always asks for a new point.
   Track Next(const Archive& archive, const PerformanceBuffer& buffer, bool force_sample);
 
-  // // Returns the next track of kPolish.
+  // Returns the next track of kPolish.
   Track Polish(const Archive& archive, const PerformanceBuffer& buffer);
 
   // Counts what a track (with the expansion after it) brought: hypervolume gained for evaluations

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/evaluation.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

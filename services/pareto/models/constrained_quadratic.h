@@ -33,7 +33,7 @@ Eigen::VectorXd MinimizeWithin(const QuadraticFunction& objective,
 Eigen::VectorXd ReduceViolation(const std::vector<QuadraticFunction>& constraints,
                                 const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-// // Returns sqrt(sum_j max(0, constraints_j(p))^2).
+// Returns sqrt(sum_j max(0, constraints_j(p))^2).
 double Violation(const std::vector<QuadraticFunction>& constraints, const Eigen::VectorXd& p);
 
 }  // namespace mortise::pareto

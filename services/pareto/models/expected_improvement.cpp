@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -38,7 +38,7 @@ struct QuadraticModel {
   // Returns the model's metrics (d) at `u`.
   Eigen::VectorXd Predict(const Eigen::VectorXd& u) const;
 
-  // // Returns sum_i weights_i H_i.
+  // Returns sum_i weights_i H_i.
   Eigen::MatrixXd WeightedHessian(const Eigen::VectorXd& weights) const;
 };
 

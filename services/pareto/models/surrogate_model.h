@@ -39,7 +39,7 @@ class SurrogateModel {
     std::size_t fitted = 160;  // of those, for hyperparameters
   };
 
-  // // The belief about a design.
+  // The belief about a design.
   struct Belief {
     std::vector<GaussianProcess::Prediction> metrics;  // d, as learnt
     // The logarithm of the probability that the design can be evaluated and meets all constraints,

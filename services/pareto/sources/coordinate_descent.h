@@ -20,8 +20,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/sources/line_minimum.h"
 #include "services/pareto/sources/point_source.h"
 
@@ -36,7 +36,7 @@ class CoordinateDescent : public PointSource {
     LineMinimum::Options line;
   };
 
-  // // Begins at a feasible entry.
+  // Begins at a feasible entry.
   CoordinateDescent(const Options& options, const Archive& archive, std::size_t start,
                     Random& random);
 

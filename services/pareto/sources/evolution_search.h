@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/models/quadratic_model.h"
 #include "services/pareto/sources/evolution_strategy.h"
 #include "services/pareto/sources/point_source.h"

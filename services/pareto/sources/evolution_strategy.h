@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 

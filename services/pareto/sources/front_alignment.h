@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 

@@ -13,8 +13,8 @@
 #include <tuple>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/sources/point_source.h"
 
 namespace mortise::pareto {

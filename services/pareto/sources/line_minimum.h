@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 
@@ -24,7 +24,7 @@ class LineMinimum {
     double tolerance = 1e-5;  // of the range of values, where parabolas end
   };
 
-  // // Begins with a value that is known already.
+  // Begins with a value that is known already.
   LineMinimum(const Options& options, double known, double value, Random& random);
 
   // Returns the next point; nullopt while it waits, or once finished.

@@ -10,8 +10,8 @@
 #include <map>
 #include <utility>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/non_dominated.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -22,9 +22,9 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
 #include "services/pareto/archive/evaluation.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/models/expected_improvement.h"
 #include "services/pareto/models/surrogate_model.h"
 #include "services/pareto/models/surrogate_quality.h"

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "common/base/errors.h"
+#include "common/base/random.h"
 #include "services/retrieval/cover/constrained_step.h"
 #include "services/retrieval/cover/differences.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
-#include "services/retrieval/cover/random.h"
 
 namespace mortise::retrieval {
 namespace {

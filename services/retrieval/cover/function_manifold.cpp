@@ -2,7 +2,7 @@
 #include "services/retrieval/cover/function_manifold.h"
 
 #include "common/base/errors.h"
-#include "services/retrieval/cover/random.h"
+#include "common/base/random.h"
 
 namespace mortise::retrieval {
 namespace {

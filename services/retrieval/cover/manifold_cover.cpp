@@ -6,10 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/random.h"
 #include "services/retrieval/cover/cover_set.h"
 #include "services/retrieval/cover/differences.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
-#include "services/retrieval/cover/random.h"
 #include "services/retrieval/cover/tangent_fit.h"
 #include "services/retrieval/cover/tangent_frame.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "services/retrieval/cover/random.h"
+#include "common/base/random.h"
 
 namespace mortise::retrieval {
 namespace {

@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 #include "tests/bench/pareto/benchmark_formula.h"
 #include "tests/bench/pareto/mixed_problems.h"
 

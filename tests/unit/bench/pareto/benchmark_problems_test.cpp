@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

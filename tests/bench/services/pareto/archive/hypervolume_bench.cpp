@@ -5,8 +5,8 @@
 // of the exact ones; `error`: of samples.
 #include <benchmark/benchmark.h>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

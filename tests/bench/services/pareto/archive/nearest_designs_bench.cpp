@@ -6,8 +6,8 @@
 #include <chrono>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/nearest_designs.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

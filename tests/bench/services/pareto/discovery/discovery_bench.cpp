@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 #include "tests/bench/pareto/benchmark_run.h"
 
 namespace mortise::pareto {

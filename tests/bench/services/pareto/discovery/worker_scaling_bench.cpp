@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/discovery/discovery.h"
 #include "services/pareto/discovery/discovery_run.h"
 #include "tests/bench/pareto/benchmark_problems.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/front/alpha_expansion.h"
 
 namespace mortise::pareto {

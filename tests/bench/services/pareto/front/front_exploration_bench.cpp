@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/front/front_exploration.h"
 
 namespace mortise::pareto {

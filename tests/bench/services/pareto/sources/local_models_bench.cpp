@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/models/constrained_quadratic.h"
 #include "services/pareto/models/quadratic_model.h"
 #include "services/pareto/sources/evolution_search.h"

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/non_dominated.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

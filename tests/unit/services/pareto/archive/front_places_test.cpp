@@ -10,8 +10,8 @@
 #include <set>
 
 #include "common/base/errors.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/embedding.h"
-#include "services/pareto/archive/random.h"
 #include "services/pareto/discovery/combined_discovery.h"
 #include "services/pareto/discovery/discovery_run.h"
 #include "services/pareto/discovery/robust_evaluator.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/non_dominated.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/discovery/discovery_run.h"
 
 namespace mortise::pareto {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "common/base/errors.h"
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

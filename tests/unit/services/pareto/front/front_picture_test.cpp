@@ -9,8 +9,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/embedding.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

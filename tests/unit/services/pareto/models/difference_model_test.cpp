@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

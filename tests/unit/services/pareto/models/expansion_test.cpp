@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/stochastic_sampling.h"
 #include "services/pareto/models/first_order_expansion.h"
 #include "services/pareto/models/quadratic_model.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/random.h"
 #include "services/pareto/archive/hypervolume.h"
-#include "services/pareto/archive/random.h"
 
 namespace mortise::pareto {
 namespace {

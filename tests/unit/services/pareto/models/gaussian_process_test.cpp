@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/archive/stochastic_sampling.h"
 
 namespace mortise::pareto {

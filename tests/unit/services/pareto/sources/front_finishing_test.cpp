@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/sources/outlier_repair.h"
 
 namespace mortise::pareto {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 #include "services/pareto/models/bounded_quadratic.h"
 
 namespace mortise::pareto {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 namespace mortise::pareto {
 namespace {

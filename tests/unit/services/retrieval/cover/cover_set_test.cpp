@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
-#include "services/retrieval/cover/random.h"
+#include "common/base/random.h"
 
 namespace mortise::retrieval {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "services/retrieval/cover/random.h"
+#include "common/base/random.h"
 
 namespace mortise::retrieval {
 namespace {

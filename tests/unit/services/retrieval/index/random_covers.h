@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "services/retrieval/cover/random.h"
+#include "common/base/random.h"
 #include "services/retrieval/index/primitive_index.h"
 
 namespace mortise::retrieval::testing {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace mortise::pareto {
+namespace mortise {
 
 // SplitMix64 (Steele, Lea, Flood 2014). The standard library's distributions may differ between
 // implementations, so the few that are needed are defined here.
@@ -14,7 +14,7 @@ class Random {
 
   std::uint64_t Next();
 
-  // // Draws a number uniformly from [0, 1).
+  // Draws a number uniformly from [0, 1).
   double Uniform();
 
   // Draws an index uniformly from 0 .. count-1; count > 0.
@@ -30,4 +30,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace mortise::pareto
+}  // namespace mortise

@@ -1,10 +1,10 @@
 // SplitMix64 and the distributions on it.
-#include "services/pareto/archive/random.h"
+#include "common/base/random.h"
 
 #include <cmath>
 #include <numbers>
 
-namespace mortise::pareto {
+namespace mortise {
 
 std::uint64_t Random::Next() {
   std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
@@ -32,4 +32,4 @@ Eigen::VectorXd Random::UnitVector(Eigen::Index size) {
   return v.normalized();
 }
 
-}  // namespace mortise::pareto
+}  // namespace mortise
