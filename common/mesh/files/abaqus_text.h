@@ -10,7 +10,7 @@
 
 namespace mortise::mesh::abaqus {
 
-// // Returns the text without space round it.
+// Returns the text without space round it.
 std::string_view Trim(std::string_view text);
 
 // Returns the text in upper case, by which keywords, parameters and names of sets are told apart.

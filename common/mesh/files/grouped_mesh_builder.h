@@ -23,11 +23,11 @@ class FilePlaces {
  public:
   FilePlaces(std::string_view bytes, bool is_text) : bytes_(bytes), is_text_(is_text) {}
 
-  // // Returns INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte
+  // Returns INVALID_ARGUMENT naming "mesh_file": "line 12: …" or "byte 345: …" for the byte
   // `place`.
   absl::Status Fault(std::size_t place, std::string_view message) const;
 
-  // // Returns "line 12" or "byte 345".
+  // Returns "line 12" or "byte 345".
   std::string Where(std::size_t place) const;
 
   // Returns the size of the whole file, bytes.

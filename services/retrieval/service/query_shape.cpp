@@ -1,7 +1,5 @@
 #include "services/retrieval/service/query_shape.h"
 
-#include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -11,19 +9,12 @@
 #include "common/base/violation_lists.h"
 #include "common/design/parameter_values.h"
 #include "common/files/template_codec.h"
+#include "common/mesh/length_unit.h"
 #include "common/mesh/scenes/scene_reader.h"
 #include "services/retrieval/families/design_surface.h"
 
 namespace mortise::retrieval {
 namespace {
-
-// Metres for each unit; nothing for an unknown one.
-std::optional<double> LengthOf(const std::string& unit) {
-  static const std::map<std::string, double> units = {{"m", 1},     {"cm", 0.01},   {"mm", 0.001},
-                                                      {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}};
-  const auto found = units.find(unit);
-  return found == units.end() ? std::nullopt : std::optional(found->second);
-}
 
 mesh::UpAxis UpAxisOf(v1::Axis axis) {
   switch (axis) {
@@ -38,21 +29,18 @@ mesh::UpAxis UpAxisOf(v1::Axis axis) {
   }
 }
 
-absl::Status CheckMesh(const v1::QueryMesh& query) {
-  absl::Status status;
-  if (query.file().empty()) status = InvalidField("file", "is missing");
-  if (!query.length_unit().empty() && !LengthOf(query.length_unit())) {
-    status = Together(status, InvalidField("length_unit", "must be m, cm, mm, um, in or ft"));
-  }
-  return status;
+// Metres for each of the file's units, where somebody says so.
+absl::StatusOr<std::optional<double>> StatedUnit(const v1::QueryMesh& query) {
+  if (query.length_unit().empty()) return std::nullopt;
+  MORTISE_ASSIGN_OR_RETURN(const double metres, mesh::MetresOf(query.length_unit(), "length_unit"));
+  return std::optional(metres);
 }
 
 // In metres where the unit is known, z upwards.
-mesh::Scene Settled(mesh::Scene scene, const v1::QueryMesh& query) {
-  mesh::UpAxis up = UpAxisOf(query.up());
+mesh::Scene Settled(mesh::Scene scene, v1::Axis stated_up, std::optional<double> unit) {
+  mesh::UpAxis up = UpAxisOf(stated_up);
   if (up == mesh::UpAxis::kUnknown) up = scene.up;
   if (up != mesh::UpAxis::kUnknown) scene = mesh::TurnedUpright(std::move(scene), up);
-  std::optional<double> unit = LengthOf(query.length_unit());
   if (!unit) unit = scene.unit;
   if (!unit) {
     if (const std::optional<mesh::UnitGuess> guess = mesh::GuessUnit(scene)) {
@@ -66,11 +54,14 @@ mesh::Scene Settled(mesh::Scene scene, const v1::QueryMesh& query) {
 }
 
 absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query) {
-  MORTISE_RETURN_IF_ERROR(UnderField("mesh", CheckMesh(query)));
+  const absl::StatusOr<std::optional<double>> unit = StatedUnit(query);
+  const absl::Status file =
+      query.file().empty() ? InvalidField("file", "is missing") : absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(UnderField("mesh", Together(file, unit.status())));
   absl::StatusOr<mesh::Scene> read = mesh::ReadScene(query.file(), query.file_name());
   if (absl::IsInvalidArgument(read.status())) return UnderField("mesh", read.status());
   MORTISE_RETURN_IF_ERROR(read.status());
-  mesh::Scene scene = Settled(*std::move(read), query);
+  mesh::Scene scene = Settled(*std::move(read), query.up(), *unit);
   mesh::SceneComponent joined = mesh::Joined(scene);
   return QueryShape{.surface = {std::move(joined.vertices), std::move(joined.triangles)},
                     .notes = std::move(scene.notes),

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/mesh/length_unit.h"
 #include "mortise/v1/item.pb.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/worker/mesh_case_checks.h"
@@ -265,25 +266,11 @@ absl::Status CheckCounts(const v1::MeshCase& of, const std::string& field) {
 
 }  // namespace
 
-absl::StatusOr<double> MetresOf(const std::string& length_unit, const std::string& field) {
-  constexpr struct {
-    const char* name;
-    double metres;
-  } kUnits[] = {{"m", 1},     {"cm", 1e-2},    {"mm", 1e-3},
-                {"um", 1e-6}, {"in", 25.4e-3}, {"ft", 304.8e-3}};
-  for (const auto& unit : kUnits) {
-    if (length_unit == unit.name) return unit.metres;
-  }
-  constexpr char kChoice[] = "give the unit of the mesh's coordinates: m, cm, mm, um, in or ft";
-  if (length_unit.empty()) return InvalidField(field, absl::StrCat("is missing; ", kChoice));
-  return InvalidField(field, absl::StrCat("is none that is known here; ", kChoice));
-}
-
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field) {
   if (mesh_case.ByteSizeLong() > kLargestCase) {
     return TooLarge(field, absl::StrCat(kLargestCase, " bytes"));
   }
-  MORTISE_RETURN_IF_ERROR(MetresOf(mesh_case.length_unit(), field + ".length_unit").status());
+  MORTISE_RETURN_IF_ERROR(mesh::MetresOf(mesh_case.length_unit(), field + ".length_unit").status());
   MORTISE_RETURN_IF_ERROR(CheckMagnitudes(mesh_case, field));
   MORTISE_RETURN_IF_ERROR(CheckCounts(mesh_case, field));
   for (int i = 0; i < mesh_case.materials_size(); ++i) {

@@ -21,9 +21,6 @@ namespace mortise::simulator {
 // support is moved. RESOURCE_EXHAUSTED past 200 kB. That numbers are finite has been checked.
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field);
 
-// Returns how many metres a unit of length has: "mm" is 0.001. INVALID_ARGUMENT naming `field`.
-absl::StatusOr<double> MetresOf(const std::string& length_unit, const std::string& field);
-
 // Puts the catalog's numbers in the place of the material's name.
 void UseCatalogMaterial(const v1::Material& material, v1::MeshMaterial& use);
 

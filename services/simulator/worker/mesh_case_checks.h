@@ -17,7 +17,7 @@ inline constexpr std::size_t kLongestLabel = 200;  // bytes
 
 using Texts = google::protobuf::RepeatedPtrField<std::string>;
 
-// // Returns "case.supports[3]".
+// Returns "case.supports[3]".
 std::string At(const std::string& field, const char* list, int i);
 
 absl::Status CheckCount(int count, int most, const std::string& field);

@@ -13,6 +13,7 @@
 #include "common/base/errors.h"
 #include "common/fem/elements/shape_functions.h"
 #include "common/mesh/files/grouped_mesh.h"
+#include "common/mesh/length_unit.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/analysis/mesh_groups.h"
 #include "services/simulator/worker/analysis_codec.h"
@@ -162,7 +163,7 @@ class Modeller {
   absl::StatusOr<MeshModel> Make() {
     model_.title = case_.title();
     MORTISE_ASSIGN_OR_RETURN(model_.case_json, ToJson(case_));
-    MORTISE_ASSIGN_OR_RETURN(metres_, MetresOf(case_.length_unit(), "case.length_unit"));
+    MORTISE_ASSIGN_OR_RETURN(metres_, mesh::MetresOf(case_.length_unit(), "case.length_unit"));
     model_.mesh.nodes = metres_ * grouped_.nodes;
     model_.mesh.tetrahedra = grouped_.tetrahedra;
     model_.node_numbers = grouped_.node_numbers;
