@@ -3,8 +3,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -17,25 +16,26 @@
 #include "absl/strings/str_format.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
-#include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
 #include "common/store/blob_folder.h"
 #include "services/retrieval/cover/manifold_cover.h"
+#include "services/retrieval/cover/parallel_evaluator.h"
 #include "services/retrieval/families/family_manifold.h"
 #include "services/retrieval/index/index_file.h"
 #include "services/retrieval/service/index_records.h"
+#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval {
 namespace {
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
+constexpr std::chrono::milliseconds kLookForTurn{200};
 constexpr double kDeltaOfScale = 0.25;  // the default δ, of the distance of unlike shapes
 constexpr std::uint64_t kSeed = 1;
 constexpr int kMaxPrimitives = 1'000;        // of one template
 constexpr long kMaxEvaluations = 20'000;     // of one template
-constexpr int kMaxTemplates = 1000;          // that a request names
 constexpr char kCoverVersion[] = "cover 1";  // changes with what is made of the same template
 
 // One build of one index.
@@ -50,8 +50,11 @@ class IndexBuild {
         kind_(kind),
         id_(IndexIdOf(kind)),
         delta_(delta),
-        anew_(request.anew()),
-        wanted_(request.templates().begin(), request.templates().end()) {}
+        request_(request) {
+    if (!request.templates().empty()) {
+      wanted_.emplace(request.templates().begin(), request.templates().end());
+    }
+  }
 
   absl::StatusOr<v1::ShapeIndex> Run(const std::vector<v1::Template>& templates) {
     MORTISE_RETURN_IF_ERROR(ForgetOthers(templates));
@@ -60,53 +63,51 @@ class IndexBuild {
   }
 
  private:
-  // Covers of templates that there are no more.
+  // Covers of templates that there are no more. Of what is only refreshed, the rest is what is
+  // covered.
   absl::Status ForgetOthers(const std::vector<v1::Template>& templates) {
     std::set<std::string> names;
     for (const v1::Template& each : templates) names.insert(each.name());
-    return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+    std::set<std::string> known;
+    MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      known.clear();
       MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers,
                                ListCovers(transaction, id_));
       for (const v1::ShapeIndex& cover : covers) {
         const std::string& name = cover.families(0).template_();
-        if (!names.contains(name)) {
+        if (names.contains(name)) {
+          known.insert(name);
+        } else {
           MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name));
         }
       }
       return absl::OkStatus();
-    });
+    }));
+    if (request_.refresh()) wanted_ = std::move(known);
+    return absl::OkStatus();
   }
 
   absl::Status CoverAll(const std::vector<v1::Template>& templates) {
-    std::atomic<std::size_t> next = 0;
-    std::atomic<int> done = 0;
+    const int count = static_cast<int>(templates.size());
     std::mutex mutex;
+    int done = 0;
     absl::Status failed;
-    const auto work = [&] {
-      while (!context_.Cancelled()) {
-        const std::size_t i = next++;
-        if (i >= templates.size()) return;
-        const absl::Status covered = CoverOne(templates[i]);
-        const std::lock_guard lock(mutex);
-        if (failed.ok() && !covered.ok()) failed = covered;
-        if (!failed.ok()) return;
-        context_.ReportProgress({.done = ++done,
-                                 .total = static_cast<std::int64_t>(templates.size()),
-                                 .message = absl::StrCat("covering templates by ", id_)});
-      }
+    const auto cover = [&](int i) {
+      if (context_.Cancelled()) return;
+      const absl::Status covered = CoverOne(templates[static_cast<std::size_t>(i)]);
+      const std::lock_guard lock(mutex);
+      if (failed.ok()) failed = covered;
+      context_.ReportProgress(
+          {.done = ++done, .total = count, .message = absl::StrCat("covering templates by ", id_)});
     };
-    {
-      std::vector<std::jthread> threads;
-      const unsigned count = std::max(1U, std::thread::hardware_concurrency());
-      for (unsigned i = 0; i < count; ++i) threads.emplace_back(work);
-    }
+    ParallelFor(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())), cover);
     if (context_.Cancelled()) return absl::CancelledError("the build was cancelled");
     return failed;
   }
 
   // Fails only where the whole build must: what is wrong with the template is in its cover.
   absl::Status CoverOne(const v1::Template& head) {
-    if (!wanted_.empty() && !wanted_.contains(head.name())) return absl::OkStatus();
+    if (wanted_ && !wanted_->contains(head.name())) return absl::OkStatus();
     const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
         building_.templates.Get(head.name(), head.revision(), Origin());
     if (absl::IsNotFound(compiled.status())) return absl::OkStatus();  // removed meanwhile
@@ -142,7 +143,7 @@ class IndexBuild {
 
   // Whether the template has this cover already, and its file is as it was written.
   absl::StatusOr<bool> IsKnown(const v1::ShapeIndex::Family& family) const {
-    if (anew_) return false;
+    if (request_.anew()) return false;
     MORTISE_ASSIGN_OR_RETURN(
         const std::optional<v1::ShapeIndex> known,
         resources::ReadFrom<std::optional<v1::ShapeIndex>>(
@@ -214,6 +215,8 @@ class IndexBuild {
     std::map<std::string, std::int64_t> covered;
     std::vector<FamilyCover> families;
     for (const v1::ShapeIndex& cover : covers) {
+      // Distances of another δ say other things.
+      if (cover.delta() != delta_) continue;
       const int number = index.families_size();
       *index.add_families() = cover.families(0);
       covered[cover.families(0).template_()] = cover.families(0).template_revision();
@@ -223,10 +226,12 @@ class IndexBuild {
       families.push_back(std::move(family));
     }
     index.set_family_count(static_cast<int>(families.size()));
+    MORTISE_ASSIGN_OR_RETURN(const bool every_template, CoversEveryTemplate());
+    index.set_every_template(every_template);
     index.set_current(
-        std::all_of(templates.begin(), templates.end(), [&covered](const v1::Template& each) {
+        std::all_of(templates.begin(), templates.end(), [&](const v1::Template& each) {
           const auto found = covered.find(each.name());
-          return found != covered.end() && found->second == each.revision();
+          return found == covered.end() ? !every_template : found->second == each.revision();
         }));
     if (!families.empty()) {
       MORTISE_ASSIGN_OR_RETURN(*index.mutable_sha256(), Keep(std::move(families)));
@@ -237,6 +242,16 @@ class IndexBuild {
       return PutIndex(transaction, index, CurrentTraceId());
     }));
     return index;
+  }
+
+  // An index that was once built of all goes on being of all.
+  absl::StatusOr<bool> CoversEveryTemplate() const {
+    if (!wanted_) return true;
+    const absl::StatusOr<v1::ShapeIndex> present =
+        kIndexes.Get(*building_.environment.store, absl::StrCat(kIndexes.names, "/", id_));
+    if (absl::IsNotFound(present.status())) return false;
+    MORTISE_RETURN_IF_ERROR(present.status());
+    return present->every_template();
   }
 
   absl::StatusOr<FamilyCover> ReadCover(const v1::ShapeIndex& cover) const {
@@ -265,8 +280,8 @@ class IndexBuild {
   const v1::ShapeDescriptor kind_;
   const std::string id_;
   const double delta_;
-  const bool anew_;
-  const std::set<std::string> wanted_;  // templates that are covered; all if empty
+  const v1::BuildIndexRequest& request_;
+  std::optional<std::set<std::string>> wanted_;  // templates that are covered; all without
 };
 
 // What the request says, or what the index has, or the default.
@@ -302,14 +317,9 @@ absl::Status CheckRequest(const v1::BuildIndexRequest& request) {
   if (request.shape_descriptors_size() > descriptors) {
     status = InvalidField("shape_descriptors", absl::StrCat("has more than ", descriptors));
   }
-  if (request.templates_size() > kMaxTemplates) {
-    status =
-        Together(status, InvalidField("templates", absl::StrCat("has more than ", kMaxTemplates)));
-  }
-  for (int i = 0; i < request.templates_size() && i < kMaxTemplates; ++i) {
-    status = Together(status, ParseResourceName(request.templates(i), "templates",
-                                                absl::StrCat("templates[", i, "]"))
-                                  .status());
+  status = Together(status, CheckTemplateNames(request.templates()));
+  if (request.refresh() && !request.templates().empty()) {
+    status = Together(status, InvalidField("refresh", "is not possible with templates"));
   }
   if (request.delta() == 0) return status;
   if (!(request.delta() > 0)) {
@@ -324,6 +334,10 @@ absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
   v1::BuildIndexRequest request;
   if (!request.ParseFromString(context.request())) {
     return StorageFailed(context.name(), "the request is not readable");
+  }
+  std::unique_lock turn(building.turn, std::defer_lock);
+  while (!turn.try_lock_for(kLookForTurn)) {
+    if (context.Cancelled()) return absl::CancelledError("the build was cancelled");
   }
   rpc::RetryOptions retry;
   retry.patience = kCatalogTimeout;  // the catalog may be starting again

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -30,6 +31,7 @@ struct IndexBuilding {
   rpc::ServiceEnvironment& environment;
   TemplateSource& templates;
   store::BlobFolder* blobs;
+  std::timed_mutex& turn;  // one build at a time: two of different δ would mix their covers
 };
 
 // Runs it: the packed v1::BuildIndexResponse. Templates are covered on as many threads as there are

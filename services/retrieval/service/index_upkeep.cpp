@@ -2,6 +2,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -20,16 +22,28 @@ namespace {
 
 constexpr absl::Duration kReconnectAfter = absl::Seconds(2);
 constexpr absl::Duration kListTimeout = absl::Seconds(30);
-constexpr absl::Duration kLookAgainAfter = absl::Seconds(2);  // while an index is built
+constexpr absl::Duration kLookAgainAfter = absl::Seconds(1);  // while an index is built
+constexpr int kMaxDoublings = 10;                             // of that
 constexpr char kCreator[] = "services/retrieval";
 
-// The revisions that an index covers, by template.
-std::map<std::string, std::int64_t> RevisionsOf(const v1::ShapeIndex& index) {
-  std::map<std::string, std::int64_t> revisions;
+using Revisions = std::map<std::string, std::int64_t>;  // of templates, by name
+
+Revisions RevisionsOf(const v1::ShapeIndex& index) {
+  Revisions revisions;
   for (const v1::ShapeIndex::Family& family : index.families()) {
     revisions[family.template_()] = family.template_revision();
   }
   return revisions;
+}
+
+// Whether an index has the templates that it is kept up to as they are.
+bool IsCurrent(const v1::ShapeIndex& index, const Revisions& present) {
+  const Revisions covered = RevisionsOf(index);
+  if (index.every_template()) return covered == present;
+  return std::all_of(covered.begin(), covered.end(), [&present](const auto& family) {
+    const auto found = present.find(family.first);
+    return found != present.end() && found->second == family.second;
+  });
 }
 
 absl::StatusOr<std::vector<v1::ShapeIndex>> AllIndexes(store::ReadTransaction& transaction) {
@@ -119,7 +133,9 @@ void IndexUpkeep::Check(const std::stop_token& stop) {
           {{"error", is_settled.status().message()}});
     }
     if (is_settled.ok() && *is_settled) continue;
-    if (!rpc::Pause(kLookAgainAfter, stop)) return;
+    // A build that fails again and again is started ever more seldom.
+    const absl::Duration wait = kLookAgainAfter * std::exp2(std::min(starts_, kMaxDoublings));
+    if (!rpc::Pause(wait, stop)) return;
     Notice();
   }
 }
@@ -134,28 +150,39 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
   if (is_building) return false;
   MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::Template> templates,
                            templates_.List({}, Origin(kListTimeout)));
-  std::map<std::string, std::int64_t> present;
+  Revisions present;
   for (const v1::Template& each : templates) present[each.name()] = each.revision();
-  v1::BuildIndexRequest request;
+  bool is_settled = true;
   MORTISE_RETURN_IF_ERROR(
       environment_.store->Transact([&](store::Transaction& transaction) -> absl::Status {
-        request.clear_shape_descriptors();
-        for (v1::ShapeIndex index : indexes) {
-          if (RevisionsOf(index) == present) continue;
-          request.add_shape_descriptors(index.shape_descriptor());
-          if (!index.current()) continue;
-          index.set_current(false);
-          MORTISE_RETURN_IF_ERROR(PutIndex(transaction, index, ""));
+        is_settled = true;
+        MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> now, AllIndexes(transaction));
+        for (const v1::ShapeIndex& index : now) {
+          if (IsCurrent(index, present)) continue;
+          is_settled = false;
+          MORTISE_RETURN_IF_ERROR(StartBuild(transaction, index));
         }
-        if (request.shape_descriptors().empty()) return absl::OkStatus();
-        return environment_.operations
-            ->Start(transaction, {.kind = jobs::kIndexOperation,
-                                  .request = request.SerializeAsString(),
-                                  .subject = "indexes",
-                                  .creator = kCreator})
-            .status();
+        return absl::OkStatus();
       }));
-  return request.shape_descriptors().empty();
+  starts_ = is_settled ? 0 : starts_ + 1;
+  return is_settled;
+}
+
+// Says that the index is not current, and starts what makes it so.
+absl::Status IndexUpkeep::StartBuild(store::Transaction& transaction, v1::ShapeIndex index) {
+  if (index.current()) {
+    index.set_current(false);
+    MORTISE_RETURN_IF_ERROR(PutIndex(transaction, index, ""));
+  }
+  v1::BuildIndexRequest request;
+  request.add_shape_descriptors(index.shape_descriptor());
+  request.set_refresh(!index.every_template());
+  return environment_.operations
+      ->Start(transaction, {.kind = jobs::kIndexOperation,
+                            .request = request.SerializeAsString(),
+                            .subject = "indexes",
+                            .creator = kCreator})
+      .status();
 }
 
 }  // namespace mortise::retrieval

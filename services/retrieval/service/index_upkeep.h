@@ -9,6 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/host/run_service.h"
+#include "common/store/store.h"
+#include "mortise/v1/retrieval.pb.h"
 #include "services/retrieval/service/template_source.h"
 
 namespace grpc {
@@ -18,10 +20,10 @@ class Channel;
 namespace mortise::retrieval {
 
 // Follows the catalog's events about templates. When a template has come, changed or gone, each
-// index that has been built says that it is not current, and an operation is started that brings it
-// up to the templates. What was missed while the catalog or this service was away is noticed when
-// they meet again. Indexes that were never built are left alone: building costs minutes of all
-// cores.
+// index that is kept up to it (ShapeIndex.every_template) says that it is not current, and an
+// operation is started that brings it up to the templates. What was missed while the catalog or
+// this service was away is noticed when they meet again. Indexes that were never built are left
+// alone: building costs minutes of all cores.
 class IndexUpkeep {
  public:
   // All outlive it.
@@ -33,6 +35,7 @@ class IndexUpkeep {
   void Follow(const std::stop_token& stop);
   void Check(const std::stop_token& stop);
   absl::StatusOr<bool> BringUp();
+  absl::Status StartBuild(store::Transaction& transaction, v1::ShapeIndex index);
   void Notice();
   rpc::Origin Origin(absl::Duration timeout) const;
 
@@ -42,6 +45,7 @@ class IndexUpkeep {
   std::mutex mutex_;
   std::condition_variable_any noticed_;
   bool has_news_ = false;
+  int starts_ = 0;  // of builds since all indexes were last current; the checker's
   std::jthread follower_;
   std::jthread checker_;
 };

@@ -30,7 +30,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
         upkeep_(environment, std::move(catalog), templates_) {
     environment.operations->Register(
         jobs::kIndexOperation, [this, blobs](jobs::OperationContext& context) {
-          return RunIndexOperation({retrieval_.environment, templates_, blobs}, context);
+          return RunIndexOperation({retrieval_.environment, templates_, blobs, turn_}, context);
         });
   }
 
@@ -42,6 +42,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
  private:
   TemplateSource templates_;
   LoadedIndexes indexes_;
+  std::timed_mutex turn_;  // of builds
   const Retrieval retrieval_;
   rpc::Endpoint endpoint_;
   const IndexUpkeep upkeep_;

@@ -1,6 +1,5 @@
 #include "services/retrieval/service/search_methods.h"
 
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -9,19 +8,18 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
-#include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
 #include "common/resources/resource_filter.h"
 #include "services/retrieval/families/design_surface.h"
 #include "services/retrieval/families/match_sheet.h"
 #include "services/retrieval/service/query_shape.h"
+#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval::methods {
 namespace {
 
 constexpr int kDefaultLimit = 10;
 constexpr int kMaxLimit = 100;
-constexpr int kMaxTemplates = 1000;
 constexpr int kMaxDrawn = 15;  // matches on a sheet
 constexpr int kDegreesOfTurn = 90;
 
@@ -30,15 +28,7 @@ absl::Status CheckSearch(const v1::SearchShapesRequest& request) {
   if (request.limit() < 0 || request.limit() > kMaxLimit) {
     status = InvalidField("limit", absl::StrCat("must be 0 to ", kMaxLimit));
   }
-  if (request.templates_size() > kMaxTemplates) {
-    status =
-        Together(status, InvalidField("templates", absl::StrCat("has more than ", kMaxTemplates)));
-  }
-  for (int i = 0; i < request.templates_size() && i < kMaxTemplates; ++i) {
-    status = Together(status, ParseResourceName(request.templates(i), "templates",
-                                                absl::StrCat("templates[", i, "]"))
-                                  .status());
-  }
+  status = Together(status, CheckTemplateNames(request.templates()));
   return Together(status, resources::ResourceFilter::Of(request).status());
 }
 
@@ -143,6 +133,9 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   for (std::string& note : query->notes) response.add_notes(std::move(note));
   if (!index->record.current()) {
     response.add_notes("Templates have changed since the index was built.");
+  }
+  if (!index->record.every_template()) {
+    response.add_notes("The index has only the templates that it was built of.");
   }
   response.set_shape_descriptor(index->record.shape_descriptor());
   response.set_families(index->record.family_count());

@@ -44,15 +44,16 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
     const std::string& name, std::int64_t revision, const rpc::Origin& origin) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "template").status());
   if (revision < 0) return InvalidField("template_revision", "must not be negative");
+  // A revision never changes.
+  if (const auto kept = kept_.Find(absl::StrCat(name, "/", revision))) return *kept;
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
                            bundles::FetchBundle(catalog_, name, revision, origin));
-  const std::string digest = bundles::ContentDigest(bundle);
-  const std::string key = absl::StrCat(name, "/", bundle.template_().revision(), "/", digest);
+  const std::string key = absl::StrCat(name, "/", bundle.template_().revision());
   return kept_.Get(key, [&]() -> absl::StatusOr<Kept::Made> {
     MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, {}, origin));
     CompiledTemplate compiled{.name = name,
                               .revision = bundle.template_().revision(),
-                              .digest = digest,
+                              .digest = bundles::ContentDigest(bundle),
                               .title = bundle.template_().title(),
                               .function = nullptr};
     MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));

@@ -37,8 +37,8 @@ class TemplateSource {
                                                  const rpc::Origin& origin,
                                                  const rpc::RetryOptions& retry = {}) const;
 
-  // The revision, or the latest for 0. NOT_FOUND; INVALID_ARGUMENT naming "template" or
-  // "template_revision"; UNAVAILABLE; as templates::Compile.
+  // The revision, or the latest for 0; the catalog is asked for what is not kept. NOT_FOUND;
+  // INVALID_ARGUMENT naming "template" or "template_revision"; UNAVAILABLE; as templates::Compile.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
                                                               std::int64_t revision,
                                                               const rpc::Origin& origin);
@@ -48,7 +48,7 @@ class TemplateSource {
 
   const std::shared_ptr<grpc::Channel> catalog_;
   bundles::ShapeSource shapes_;
-  Kept kept_;  // by name, revision and digest
+  Kept kept_;  // by name and revision
 };
 
 }  // namespace mortise::retrieval

@@ -72,6 +72,10 @@ class RetrievalHouse {
     request.set_request_id(id);
     request.add_shape_descriptors(v1::D2);
     request.set_delta(delta);
+    return StartBuild(request);
+  }
+
+  absl::StatusOr<v1::Operation> StartBuild(const v1::BuildIndexRequest& request) {
     return Call(*retrieval_, &v1::RetrievalService::Stub::BuildIndex, request);
   }
 
@@ -83,8 +87,10 @@ class RetrievalHouse {
     return Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
   }
 
-  v1::Operation Build(const std::string& id, double delta) {
-    const auto started = StartBuild(id, delta);
+  v1::Operation Build(const std::string& id, double delta) { return End(StartBuild(id, delta)); }
+
+  // The operation once it has succeeded.
+  v1::Operation End(const absl::StatusOr<v1::Operation>& started) {
     EXPECT_TRUE(started.ok()) << started.status();
     const auto done = Await(started->name());
     EXPECT_TRUE(done.ok()) << done.status();
@@ -257,6 +263,40 @@ TEST(IndexTest, GoesOnWithABuildThatWasKilled) {
   const v1::Operation again = house.Build("again", kCoarse);
   ASSERT_TRUE(again.result().UnpackTo(&built));
   EXPECT_EQ(built.indexes(0).sha256(), digest);
+}
+
+TEST(IndexTest, IsOfTheTemplatesThatWereNamedAlone) {
+  RetrievalHouse house;
+  v1::BuildIndexRequest request;
+  request.set_request_id("table");
+  request.add_shape_descriptors(v1::D2);
+  request.set_delta(kCoarse);
+  request.add_templates("templates/table");
+  house.End(house.StartBuild(request));
+  const auto built = house.Index();
+  ASSERT_TRUE(built.ok()) << built.status();
+  EXPECT_EQ(built->family_count(), 1);
+  EXPECT_FALSE(built->every_template());
+  EXPECT_TRUE(built->current());
+
+  request.set_request_id("both");
+  request.set_refresh(true);
+  EXPECT_EQ(DetailOf(house.StartBuild(request).status()).field, "refresh");
+  request.set_request_id("again");
+  request.clear_templates();
+  house.End(house.StartBuild(request));
+  EXPECT_EQ(house.Index()->sha256(), built->sha256());
+  EXPECT_FALSE(house.Index()->every_template());
+
+  // Covers of another δ are none of this index.
+  request.set_request_id("finer");
+  request.set_refresh(false);
+  request.set_delta(0.9 * kCoarse);
+  request.add_templates("templates/boat");
+  house.End(house.StartBuild(request));
+  const auto finer = house.Index();
+  ASSERT_EQ(finer->family_count(), 1);
+  EXPECT_EQ(finer->families(0).template_(), "templates/boat");
 }
 
 TEST(IndexTest, IsKeptUpToTheTemplates) {

@@ -1,0 +1,24 @@
+#include "services/retrieval/service/template_names.h"
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
+
+namespace mortise::retrieval {
+
+absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::string>& templates) {
+  constexpr int kMaxTemplates = 1000;
+  if (templates.size() > kMaxTemplates) {
+    return InvalidField("templates", absl::StrCat("has more than ", kMaxTemplates));
+  }
+  absl::Status status;
+  for (int i = 0; i < templates.size(); ++i) {
+    status = Together(
+        status,
+        ParseResourceName(templates[i], "templates", absl::StrCat("templates[", i, "]")).status());
+  }
+  return status;
+}
+
+}  // namespace mortise::retrieval

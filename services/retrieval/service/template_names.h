@@ -1,0 +1,16 @@
+// Templates that a request names.
+#pragma once
+
+#include <google/protobuf/repeated_ptr_field.h>
+
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace mortise::retrieval {
+
+// INVALID_ARGUMENT naming "templates" where there are more than 1000, and "templates[2]" that is no
+// name of a template. Whether there is such a template is not asked.
+absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::string>& templates);
+
+}  // namespace mortise::retrieval
