@@ -12,7 +12,7 @@ namespace mortise::parametric {
 
 class ParametricAssembly;
 
-// // Returns the bytes that a shape takes. O(faces).
+// Returns the bytes that a shape takes. O(faces).
 std::size_t MemoryUse(const mesh::DrawnShape& shape);
 
 // Returns the bytes that an assembly takes. A shape that parts share counts once. O(parts +

@@ -154,7 +154,7 @@ class ParametricAssembly {
 
  private:
   ParametricAssembly() = default;
-  // // Makes the feasible set anew until no pattern might lose what it touches, and none of the
+  // Makes the feasible set anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
   // Makes everything up to the feasible set, and returns how many things fit into each element.

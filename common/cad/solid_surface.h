@@ -24,7 +24,7 @@ struct SurfaceOptions {
 absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const Solid& solid,
                                                 const SurfaceOptions& options = {});
 
-// // Returns the area of the solid's faces, m².
+// Returns the area of the solid's faces, m².
 double SurfaceArea(const Solid& solid);
 
 }  // namespace mortise::cad

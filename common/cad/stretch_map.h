@@ -10,7 +10,7 @@
 
 namespace mortise::cad {
 
-// // A map by which p becomes factors ∘ p + offsets.
+// A map by which p becomes factors ∘ p + offsets.
 struct AffineStretch {
   Eigen::Vector3d factors = Eigen::Vector3d::Ones();
   Eigen::Vector3d offsets = Eigen::Vector3d::Zero();  // m
@@ -18,7 +18,7 @@ struct AffineStretch {
 
 class StretchMap {
  public:
-  // // Makes a map by which p becomes factors ∘ p; factors > 0.
+  // Makes a map by which p becomes factors ∘ p; factors > 0.
   explicit StretchMap(const Eigen::Vector3d& factors) : whole_{factors, Eigen::Vector3d::Zero()} {}
 
   // Makes the map from a box of this size, m, to that of `stretch`, both with their lower corner at

@@ -16,7 +16,7 @@ namespace mortise::parametric {
 // Can be evaluated from any number of threads.
 class ConditionExpressions {
  public:
-  // // Holds no conditions.
+  // Holds no conditions.
   ConditionExpressions() = default;
 
   // Parses the expressions; what is wrong, with its place ("boundary_conditions[2].components[0]",

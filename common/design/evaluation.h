@@ -56,7 +56,7 @@ class TemplateFunction {
   // range.
   Eigen::VectorXd RoundToSteps(const Eigen::VectorXd& q) const;
 
-  // // Returns F(q). INVALID_ARGUMENT naming "parameters[i].value" for a wrong count, a value out
+  // Returns F(q). INVALID_ARGUMENT naming "parameters[i].value" for a wrong count, a value out
   // of range or not finite, and the template's field where an expression fails, an extent is empty,
   // an outline is not a counter-clockwise simple polygon, or a connection's parts do not touch.
   absl::StatusOr<EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;

@@ -19,7 +19,7 @@ void CheckTitle(const std::string& field, const std::string& text,
 void CheckDescription(const std::string& field, const std::string& text,
                       std::vector<FieldViolation>& findings);
 
-// // Checks that a text has at most 1000 bytes.
+// Checks that a text has at most 1000 bytes.
 void CheckText(const std::string& field, const std::string& text,
                std::vector<FieldViolation>& findings);
 

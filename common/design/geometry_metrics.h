@@ -22,7 +22,7 @@ struct SolidPart {
   double density = 0;         // kg/m³
 };
 
-// // The surroundings of a design.
+// The surroundings of a design.
 struct Surroundings {
   Eigen::Vector3d wind{-10, 0, 0};  // m/s, the way it blows: from the front, for what faces +x
   double drag_coefficient = 1;      // of the shadow across the wind

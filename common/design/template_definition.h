@@ -16,7 +16,7 @@ namespace mortise::parametric {
 // length, Y the width, Z the thickness.
 enum class Axis { kX = 0, kY = 1, kZ = 2 };
 
-// // Returns "x", "y" or "z".
+// Returns "x", "y" or "z".
 const char* AxisName(Axis axis);
 
 // How a dimension of an item is brought to size; kNone if it is fixed.

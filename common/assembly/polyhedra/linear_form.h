@@ -22,7 +22,7 @@ struct LinearForm {
   double At(const Eigen::VectorXd& q) const;
 };
 
-// // Returns scale_a · a + scale_b · b.
+// Returns scale_a · a + scale_b · b.
 LinearForm Combine(double scale_a, const LinearForm& a, double scale_b, const LinearForm& b);
 
 inline LinearForm operator+(const LinearForm& a, const LinearForm& b) {

@@ -12,7 +12,7 @@ namespace mortise::cad {
 
 std::string ToJson(const StepAssembly& assembly);
 
-// // Reads what ToJson wrote. INTERNAL if `text` is not such.
+// Reads what ToJson wrote. INTERNAL if `text` is not such.
 absl::StatusOr<StepAssembly> StepAssemblyFromJson(std::string_view text);
 
 }  // namespace mortise::cad

@@ -15,7 +15,7 @@ namespace mortise::cad {
 // representations that a mapped item takes up.
 class StepPlaces {
  public:
-  // // Reads the file's placements, once shapes are made.
+  // Reads the file's placements, once shapes are made.
   explicit StepPlaces(STEPCAFControl_Reader& reader);
 
   // Whether `component` is a product or a mapped representation, wherever it stands.

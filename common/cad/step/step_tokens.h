@@ -48,7 +48,7 @@ class StepTokens {
 // in it.
 std::uint64_t NumberOf(const StepToken& reference);
 
-// // Returns the line of a place in the text; 1 for the first.
+// Returns the line of a place in the text; 1 for the first.
 std::size_t LineOf(std::string_view text, std::size_t at);
 
 }  // namespace mortise::cad

@@ -17,7 +17,7 @@ struct StretchedCurve {
   double shift = 0;
 };
 
-// // Returns factors ∘ p.
+// Returns factors ∘ p.
 gp_XYZ Stretched(const gp_XYZ& p, const Eigen::Vector3d& factors);
 
 // Return a curve, in space or in parameters, or a surface without the limits that are set to it.

@@ -14,7 +14,7 @@
 
 namespace mortise::simulator {
 
-// // A support prescribes displacement on a face of a part, wherever it touches other parts or not,
+// A support prescribes displacement on a face of a part, wherever it touches other parts or not,
 // or of nodes.
 struct Support {
   mesh::NamedFace face;                         // without a name: `nodes` are held instead

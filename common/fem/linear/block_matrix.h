@@ -16,10 +16,10 @@ namespace mortise::simulator {
 // parameters) may share. Only blocks on and above the diagonal are kept.
 class BlockMatrix {
  public:
-  // // Makes a matrix whose values are all zero.
+  // Makes a matrix whose values are all zero.
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern);
 
-  // // Makes a matrix on a pattern of its own.
+  // Makes a matrix on a pattern of its own.
   explicit BlockMatrix(const mesh::TetrahedralMesh& mesh);
 
   // Adds `block` to rows of node i and columns of node j, for i <= j; the pattern must have it.

@@ -34,7 +34,7 @@ enum class SolverKind {
 struct SolverOptions {
   SolverKind kind = SolverKind::kAutomatic;
 
-  // // The number of loads that each matrix will have, for kAutomatic to choose by.
+  // The number of loads that each matrix will have, for kAutomatic to choose by.
   int loads = 1;
 
   // RESOURCE_EXHAUSTED if more bytes would be needed, found out before they are allocated.

@@ -46,7 +46,7 @@ class SparseCholesky {
   // what is free to move may leave a last pivot that is only rounding, and goes unnoticed here.
   absl::Status Factorize(const BlockMatrix& stiffness);
 
-  // // Analyses the pattern, and factorises the values.
+  // Analyses the pattern, and factorises the values.
   static absl::StatusOr<SparseCholesky> Create(const BlockMatrix& stiffness,
                                                const Eigen::Array3Xi& fixed,
                                                const CholeskyOptions& options = {});

@@ -32,7 +32,7 @@ struct NodalStress {
 Stresses RecoverAtSlots(const DeformedBody& body, const PartNodes& nodes,
                         const PartSurface& surface, ThreadTeam& team);
 
-// // Returns the stresses of each node. Where parts meet, `stress`, `von_mises` and
+// Returns the stresses of each node. Where parts meet, `stress`, `von_mises` and
 // `maximum_principal` are those of the part under the larger von Mises stress.
 NodalStress RecoverStress(const DeformedBody& body, const PartNodes& nodes,
                           const PartSurface& surface, ThreadTeam& team);

@@ -37,7 +37,7 @@ class SurfaceTurns {
   SurfaceTurns(const mesh::TetrahedralMesh& mesh, const PartSurface& surface,
                std::span<const SurfacePiece> pieces, std::span<const FaceNode> mirrors);
 
-  // // Returns the share of each piece, in their order; all count the same.
+  // Returns the share of each piece, in their order; all count the same.
   const std::vector<StressShare>& shares() const { return shares_; }
 
   // Adds the derivative of direction · StressOf(shares) by the places of nodes, 3 × nodes, for

@@ -45,7 +45,7 @@ struct EdgeReference {
 absl::StatusOr<FaceName> ParseFaceReference(std::string_view text);
 absl::StatusOr<EdgeReference> ParseEdgeReference(std::string_view text);
 
-// // Returns "holes[2].wall".
+// Returns "holes[2].wall".
 std::string ToString(const FaceName& name);
 
 // Whether a face of this name is among those that `reference` means. Patterns must have been told
