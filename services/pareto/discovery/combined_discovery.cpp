@@ -8,24 +8,18 @@
 #include "absl/memory/memory.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/pareto/archive/hypervolume.h"
 #include "services/pareto/archive/stochastic_sampling.h"
+#include "services/pareto/discovery/search_policy.h"
 #include "services/pareto/models/surrogate_quality.h"
 
 namespace mortise::pareto {
 namespace {
 
-constexpr double kReference = 1.1;           // of the running hypervolume, in scaled performance
 constexpr double kLately = 100;              // evaluations
 constexpr double kOpeningShare = 0.35;       // of the budget
 constexpr double kSpaceFillingShare = 0.15;  // the same for the space-filling designs
 constexpr double kTransplantShare = 0.1;     // and for the first transplants
 constexpr std::int64_t kMostTransplants = 3;
-constexpr Eigen::Index kExactMetrics = 4;  // of gains, see discovery.cpp
-constexpr std::size_t kMostOverlaps = 64;
-constexpr int kRunningSamples = 1 << 12;  // of hypervolumes of more than three metrics
-constexpr int kFinalSamples = 1 << 18;
-constexpr std::int64_t kShownEvery = 16;  // a hypervolume is shown until there are that part more
 
 std::vector<double> Key(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
@@ -55,7 +49,9 @@ CombinedDiscovery::CombinedDiscovery(const DesignSpace& space,
       metric_count_(metric_count),
       options_(options),
       random_(options.seed ^ 0xc0b1ULL),
-      buffer_(Discovery::BufferOptions(options, metric_count), metric_count) {
+      window_(options.evaluations, options.window,
+              {space.size(), metric_count, options.constraints}),
+      buffer_(BufferOptions(options, metric_count), metric_count) {
   if (options_.surrogate == Discovery::Surrogate::kAutomatic)
     options_.surrogate = Discovery::Surrogate::kNever;
   MakeOpening();
@@ -129,64 +125,49 @@ std::int64_t CombinedDiscovery::initial_samples() const {
 }
 
 std::optional<CombinedDiscovery::Proposal> CombinedDiscovery::Ask() {
-  if (stop_ != StopReason::kRunning) return std::nullopt;
-  const bool is_complete = others_.empty() && proposed_ == combinations_.count();
-  if (proposed_ >= options_.evaluations || is_complete) {
-    if (!CommitUpTo(proposed_) || stop_ != StopReason::kRunning) return std::nullopt;
+  if (Finished()) return std::nullopt;
+  const std::int64_t number = window_.proposed();
+  const bool is_complete = others_.empty() && number == combinations_.count();
+  if (window_.left() <= 0 || is_complete) {
+    if (!CommitUpTo(number) || Finished()) return std::nullopt;
     if (is_complete)
-      Stop(StopReason::kConverged, absl::StrCat("all ", proposed_, " designs were evaluated"));
+      Stop(StopReason::kConverged, absl::StrCat("all ", number, " designs were evaluated"));
     else
-      Stop(StopReason::kBudget, absl::StrCat("all ", proposed_, " evaluations were made"));
+      Stop(StopReason::kBudget, absl::StrCat("all ", number, " evaluations were made"));
     return std::nullopt;
   }
-  if (proposed_ == static_cast<std::int64_t>(opening_.size()))
-    barrier_ = std::max(barrier_, proposed_);
-  const std::int64_t needed =
-      std::max({std::int64_t{0}, proposed_ - options_.window + 1, barrier_});
-  if (!CommitUpTo(needed) || stop_ != StopReason::kRunning) return std::nullopt;
+  if (number == static_cast<std::int64_t>(opening_.size())) window_.AwaitAll();
+  if (!CommitUpTo(window_.needed()) || Finished()) return std::nullopt;
   std::optional<Next> next = NextDesign();
   if (!next) {
     // What is under way may open new ways; if nothing is, there are none.
-    if (committed_ == proposed_) {
+    if (window_.committed() == number) {
       Stop(StopReason::kConverged, "every design that the method would try has been evaluated");
       return std::nullopt;
     }
-    barrier_ = proposed_;
+    window_.AwaitAll();
     return Ask();
   }
-  Proposal proposal{proposed_++, next->design.x};
+  Proposal proposal{number, std::move(next->design.x)};
   ++members_[next->member].proposed;
   designs_.insert(Key(proposal.x));
-  pending_[proposal.number] = {next->member, std::move(next->design), std::nullopt};
+  window_.Propose(proposal.x, {next->member, next->design.number});
   return proposal;
 }
 
 absl::Status CombinedDiscovery::Tell(std::int64_t number, Evaluation evaluation) {
-  const auto at = pending_.find(number);
-  if (at == pending_.end() || at->second.result)
-    return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
-  if (evaluation.x != at->second.design.x)
-    return InvalidField("x", absl::StrCat("not the design of proposal ", number));
-  MORTISE_RETURN_IF_ERROR(
-      CheckAnswer(evaluation, space_.size(), metric_count_, options_.constraints));
-  at->second.result = std::move(evaluation);
-  return absl::OkStatus();
+  return window_.Tell(number, std::move(evaluation));
 }
 
 bool CombinedDiscovery::CommitUpTo(std::int64_t count) {
-  while (committed_ < count && stop_ == StopReason::kRunning) {
-    const auto first = pending_.find(committed_);
-    if (first == pending_.end() || !first->second.result) return false;
-    CommitNext();
-  }
-  return true;
+  return window_.CommitUpTo(count, [this](std::int64_t, Window::Proposed proposed) {
+    Commit(std::move(proposed));
+    return !Finished();
+  });
 }
 
-void CombinedDiscovery::CommitNext() {
-  const auto first = pending_.find(committed_++);
-  Pending pending = std::move(first->second);
-  pending_.erase(first);
-  Evaluation& result = *pending.result;
+void CombinedDiscovery::Commit(Window::Proposed proposed) {
+  Evaluation& result = *proposed.result;
   ArchiveEntry added;
   added.u = space_.ToUnit(result.x);
   added.evaluated = IsUsable(result);
@@ -199,35 +180,18 @@ void CombinedDiscovery::CommitNext() {
     if (message_.empty()) message_ = result.message;
   }
   const std::size_t entry = archive_.Add(std::move(added));
-  member_of_.push_back(pending.member);
+  member_of_.push_back(proposed.origin.member);
   evaluated_.push_back(result.x);
   deviations_.push_back(result.deviations);
   const double gain = Absorb(entry);
   gains_.push_back(gain);
   for (Member& each : members_) each.spent *= memory_;
-  Member& member = members_[pending.member];
+  Member& member = members_[proposed.origin.member];
   member.entries.push_back(entry);
   member.spent += 1;
-  member.search->Tell(pending.design.number, std::move(result));
+  member.search->Tell(proposed.origin.number, std::move(result));
   if (gain > 0) member.gap = std::min(member.gap, 0.0);
   if (member.stage == Stage::kPruned && !IsHopeless(member)) member.stage = Stage::kSearching;
-}
-
-// The hypervolume that the last entry, which nothing dominates, adds to what was not dominated
-// before; in the scaling of the buffer.
-double CombinedDiscovery::GainOf(std::size_t entry) const {
-  const Scaling& scaling = buffer_.scaling();
-  const auto front = archive_.non_dominated_metrics();
-  const auto others = front.cols() - 1;
-  const std::vector<std::size_t>& displaced = archive_.displaced();
-  Eigen::MatrixXd before(metric_count_, others + std::ssize(displaced));
-  before.leftCols(others) = front.leftCols(others);
-  for (std::size_t k = 0; k < displaced.size(); ++k)
-    before.col(others + static_cast<Eigen::Index>(k)) = archive_[displaced[k]].metrics;
-  const double volume = HypervolumeContribution(archive_[entry].metrics, before,
-                                                scaling.ideal + kReference * scaling.range,
-                                                metric_count_ <= kExactMetrics ? 0 : kMostOverlaps);
-  return volume / scaling.range.prod();
 }
 
 // Puts an entry into the buffer; returns the hypervolume gained, in the scaling that holds
@@ -239,12 +203,13 @@ double CombinedDiscovery::Absorb(std::size_t entry) {
     buffer_.Rebuild(archive_, scaling);
   else
     buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
-  return archive_.non_dominated().back() == entry ? GainOf(entry) : 0;
+  return archive_.non_dominated().back() == entry ? GainedVolume(archive_, buffer_.scaling(), entry)
+                                                  : 0;
 }
 
 void CombinedDiscovery::Stop(StopReason reason, std::string message) {
-  if (stop_ != StopReason::kRunning) return;
-  CommitUpTo(proposed_);
+  if (Finished()) return;
+  CommitUpTo(window_.proposed());
   stop_ = reason;
   message_ = std::move(message);
   if (archive_.feasible_count() > 0) buffer_.Rebuild(archive_, archive_.CurrentScaling());
@@ -254,7 +219,7 @@ CombinedDiscovery::Summary CombinedDiscovery::summary() const {
   Summary summary;
   summary.stop_reason = stop_;
   summary.message = message_;
-  summary.evaluations = committed_;
+  summary.evaluations = window_.committed();
   summary.failed = failed_;
   summary.violating =
       static_cast<std::int64_t>(archive_.evaluated_count() - archive_.feasible_count());
@@ -272,16 +237,7 @@ CombinedDiscovery::Summary CombinedDiscovery::summary() const {
     surrogates.Add(member.search->Surrogates());
   }
   summary.surrogate = surrogates.quality();
-  const std::int64_t since = committed_ - shown_.committed;
-  if (archive_.feasible_count() > 0 && since > (Finished() ? 0 : shown_.committed / kShownEvery)) {
-    const Scaling scaling = archive_.CurrentScaling();
-    std::vector<Eigen::VectorXd> points;
-    for (const std::size_t index : archive_.non_dominated())
-      points.push_back(scaling.Apply(archive_[index].metrics));
-    shown_ = {committed_, QuickHypervolume(points, Eigen::VectorXd::Ones(metric_count_),
-                                           Finished() ? kFinalSamples : kRunningSamples)};
-  }
-  summary.hypervolume = shown_.hypervolume;
+  summary.hypervolume = shown_.At(archive_, window_.committed(), Finished());
   return summary;
 }
 

@@ -27,8 +27,8 @@
 //
 // Designs to begin with come before all that, each for the combination that it is of.
 //
-// The window, numbers and determinism are those of discovery.h. A surrogate takes part only where
-// the options say that it always does: each combination is told of too little for long.
+// The window, numbers and determinism are those of proposal_window.h. A surrogate takes part only
+// where the options say that it always does: each combination is told of too little for long.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,6 +51,8 @@
 #include "services/pareto/discovery/ask_tell.h"
 #include "services/pareto/discovery/combination_search.h"
 #include "services/pareto/discovery/discovery.h"
+#include "services/pareto/discovery/hypervolume_progress.h"
+#include "services/pareto/discovery/proposal_window.h"
 #include "services/pareto/models/combination_model.h"
 #include "services/pareto/models/combinations.h"
 
@@ -94,11 +96,12 @@ class CombinedDiscovery : public AskTell {
     double owed = 0;                                        // evaluations
   };
 
-  struct Pending {
+  // What asked for a proposal: a member, and the number that its search gave it.
+  struct Origin {
     std::size_t member = 0;
-    CombinationSearch::Design design;
-    std::optional<Evaluation> result;
+    std::int64_t number = -1;
   };
+  using Window = ProposalWindow<Origin>;
 
   struct Next {
     std::size_t member = 0;
@@ -112,9 +115,8 @@ class CombinedDiscovery : public AskTell {
   void MakeOpening();
   std::size_t AddMember(const Combination& combination);
   bool CommitUpTo(std::int64_t count);
-  void CommitNext();
+  void Commit(Window::Proposed proposed);
   double Absorb(std::size_t entry);
-  double GainOf(std::size_t entry) const;
 
   std::optional<Next> NextDesign();
   std::optional<Next> AskShared();
@@ -144,6 +146,7 @@ class CombinedDiscovery : public AskTell {
   Eigen::Index metric_count_;
   Discovery::Options options_;
   Random random_;
+  Window window_;
   Archive archive_;
   std::vector<std::size_t> member_of_;       // of each entry
   std::vector<Eigen::VectorXd> evaluated_;   // of each entry, bit for bit as evaluated
@@ -164,17 +167,9 @@ class CombinedDiscovery : public AskTell {
   bool opened_ = false;
   int looked_ = 0;
   std::set<std::vector<double>> designs_;  // proposed
-  std::map<std::int64_t, Pending> pending_;
-  std::int64_t proposed_ = 0;
-  std::int64_t committed_ = 0;
-  std::int64_t barrier_ = 0;
   std::int64_t failed_ = 0;
   FailureTally failures_;
-  struct Shown {
-    std::int64_t committed = 0;
-    double hypervolume = 0;
-  };
-  mutable Shown shown_;  // by summary()
+  mutable ShownHypervolume shown_;  // by summary()
   StopReason stop_ = StopReason::kRunning;
   std::string message_;
 };

@@ -140,8 +140,8 @@ std::vector<Eigen::VectorXd> CombinedDiscovery::Transplants(const Member& member
 }
 
 std::optional<CombinedDiscovery::Next> CombinedDiscovery::NextDesign() {
-  if (proposed_ < static_cast<std::int64_t>(opening_.size()))
-    return opening_[static_cast<std::size_t>(proposed_)];
+  if (window_.proposed() < static_cast<std::int64_t>(opening_.size()))
+    return opening_[static_cast<std::size_t>(window_.proposed())];
   if (!std::exchange(opened_, true)) {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -216,7 +216,7 @@ std::optional<CombinedDiscovery::Next> CombinedDiscovery::AskShared() {
   std::ranges::sort(order);
   std::optional<Next> next;
   for (const auto& [less, k] : order) {
-    if (less > kMostInAdvance && !pending_.empty()) break;
+    if (less > kMostInAdvance && !window_.under_way().empty()) break;
     if (k == members.size()) {
       next = AskTransplant();
     } else if (auto design = AskOf(members_[members[k]])) {
@@ -259,7 +259,7 @@ std::optional<CombinationSearch::Design> CombinedDiscovery::AskOf(Member& member
 
 // What a combination does next; false if that is nothing.
 bool CombinedDiscovery::PlanFor(Member& member) {
-  const std::int64_t left = options_.evaluations - proposed_;
+  const std::int64_t left = options_.evaluations - window_.proposed();
   std::int64_t evaluations = opening_evaluations_ - member.proposed;
   std::size_t transplants = transplants_;
   if (member.stage != Stage::kOpening) {
@@ -398,8 +398,8 @@ bool CombinedDiscovery::IsHopeless(const Member& member) const {
 
 // Now and then, as the front moves.
 void CombinedDiscovery::Prune() {
-  if (others_.empty() || committed_ < next_check_) return;
-  next_check_ = committed_ + std::max<std::int64_t>(1, options_.evaluations / kChecks);
+  if (others_.empty() || window_.committed() < next_check_) return;
+  next_check_ = window_.committed() + std::max<std::int64_t>(1, options_.evaluations / kChecks);
   for (const std::size_t i : Searching()) {
     Member& member = members_[i];
     member.gap = GapOf(member, member.entries.size());
@@ -413,7 +413,8 @@ void CombinedDiscovery::Prune() {
 
 void CombinedDiscovery::LookAgain() {
   if (looked_ >= static_cast<int>(std::size(kLooks)) || archive_.feasible_count() == 0 ||
-      static_cast<double>(proposed_) < kLooks[looked_] * static_cast<double>(options_.evaluations))
+      static_cast<double>(window_.proposed()) <
+          kLooks[looked_] * static_cast<double>(options_.evaluations))
     return;
   ++looked_;
   std::vector<std::pair<double, std::size_t>> order;

@@ -1,7 +1,6 @@
 // The opening of a discovery: along the parameters one by one, what that tells of them, and who
 // waits for whom.
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -12,16 +11,6 @@
 #include "services/pareto/sources/parameter_lines.h"
 
 namespace mortise::pareto {
-namespace {
-
-constexpr double kTraverseShare = 0.2;  // of the budget
-constexpr double kSameTraverse = 1e-6;
-constexpr double kLeastTrade = 0.1;     // in ranges of the front
-constexpr double kIdleShare = 0.26;     // of the budget, see AwaitsOpening; at least
-constexpr double kLeastIdle = 78;       // evaluations
-constexpr double kDescentShare = 0.25;  // of the budget
-
-}  // namespace
 
 // Whether to wait for what is under way rather than to begin something else: the opening tracks
 // share what they learn, and others would start from designs that are far off. When workers have
@@ -30,13 +19,11 @@ constexpr double kDescentShare = 0.25;  // of the budget
 bool Discovery::AwaitsOpening() const {
   if (descending_) return true;
   if (!scheduler_.AwaitsOpening(metric_count_)) return false;
-  const auto idle = static_cast<double>(idle_);
-  const bool is_patient = idle < kLeastIdle || metric_count_ > 2;
-  if (idle >= std::max(kLeastIdle, kIdleShare * static_cast<double>(options_.evaluations)))
-    return false;
-  return std::any_of(tracks_.begin(), tracks_.end(), [&](const auto& entry) {
-    const Track& track = entry.second;
-    return track.kind == TrackKind::kOpening && (track.patch == nullptr || is_patient);
+  const SearchPolicy::Patience patience = policy_.PatienceAfter(idle_);
+  if (patience == SearchPolicy::Patience::kNone) return false;
+  return tracks_.HasAny([&](const Track& track) {
+    return track.kind == TrackKind::kOpening &&
+           (track.patch == nullptr || patience == SearchPolicy::Patience::kAll);
   });
 }
 
@@ -46,22 +33,18 @@ void Discovery::LearnFromLines() {
   const Scaling scaling = archive_.CurrentScaling();
   const std::vector<ParameterLine> lines = ParameterLines(archive_);
   Eigen::VectorXd lengths = RelativeLengths(archive_, lines, scaling);
-  for (Eigen::Index i = 0; i < box_.step.size(); ++i)
-    if (box_.step[i] > 0) lengths[i] = 1;
+  const Eigen::VectorXd& step = box_.box().step;
+  for (Eigen::Index i = 0; i < step.size(); ++i)
+    if (step[i] > 0) lengths[i] = 1;
   archive_.UseLengths(std::move(lengths));
-  trading_ = TradingParameters(archive_, lines, scaling, kLeastTrade);
+  trading_ = TradingParameters(archive_, lines, scaling, SearchPolicy::kLeastTrade);
 }
 
 // Before each metric's optimum is looked for, which begins from the best known.
 void Discovery::TryLeastAlongLines() {
   if (archive_.feasible_count() == 0) return;
-  tracks_[next_track_++] = {
-      std::make_unique<PointList>(LeastAlongLines(archive_, ParameterLines(archive_))),
-      nullptr,
-      nullptr,
-      TrackKind::kOpening,
-      0,
-      0};
+  tracks_.Start(std::make_unique<PointList>(LeastAlongLines(archive_, ParameterLines(archive_))),
+                TrackKind::kOpening);
 }
 
 // From the trade-off nearest to the ideal.
@@ -82,37 +65,25 @@ void Discovery::StartTraverses(std::size_t entry) {
   parameters.resize(std::min(parameters.size(), static_cast<std::size_t>(metric_count_ - 1)));
   for (const Eigen::Index parameter : parameters) {
     const FrontTraverse::Options options;
-    const auto spent = static_cast<double>(traverses_.size() + 1) * options.evaluations;
-    if (spent > kTraverseShare * static_cast<double>(options_.evaluations)) return;
+    if (!policy_.MayTraverse(traverses_.size(), options.evaluations)) return;
     ++traversed_[parameter];
     const bool is_known = std::ranges::any_of(traverses_, [&](const auto& earlier) {
       Eigen::VectorXd apart = earlier.second - archive_[entry].u;
       apart[parameter] = 0;
-      return earlier.first == parameter && apart.lpNorm<Eigen::Infinity>() < kSameTraverse;
+      return earlier.first == parameter &&
+             apart.lpNorm<Eigen::Infinity>() < SearchPolicy::kSameTraverse;
     });
     if (is_known) continue;
     traverses_.emplace_back(parameter, archive_[entry].u);
-    tracks_[next_track_++] = {
+    tracks_.Start(
         std::make_unique<FrontTraverse>(options, archive_, buffer_.scaling(), entry, parameter),
-        nullptr,
-        nullptr,
-        TrackKind::kOpening,
-        0,
-        0};
+        TrackKind::kOpening);
   }
 }
 
 // From the design nearest to the ideal; of the space-filling ones where others were given, since
 // those may all be in a valley that was the best before.
 std::unique_ptr<PointSource> Discovery::MakeDescent() {
-  CoordinateDescent::Options descent;
-  const auto size = static_cast<double>(box_.size());
-  const double share = kDescentShare * static_cast<double>(options_.evaluations);
-  descent.evaluations = static_cast<int>(share);
-  // Where constraints hold, what is best along each may not be put together.
-  descent.lines =
-      std::max(1, options_.constraints > 0 ? options_.window / 2 : 3 * options_.window / 4);
-  descent.line.values = static_cast<int>(std::clamp(0.5 * share / size, 4.0, 64.0));
   const Scaling scaling = archive_.CurrentScaling();
   std::vector<std::size_t> candidates;
   for (auto entry = static_cast<std::size_t>(given());
@@ -122,7 +93,7 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
     return scaling.Apply(archive_[entry].metrics).norm();
   });
-  return std::make_unique<CoordinateDescent>(descent, archive_, start, random_);
+  return std::make_unique<CoordinateDescent>(policy_.Descent(), archive_, start, random_);
 }
 
 }  // namespace mortise::pareto
