@@ -13,10 +13,13 @@
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/base/units.h"
+#include "common/design/metric_registry.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
 namespace {
+
+using simulator::BuiltInMetric;
 
 constexpr std::size_t kLargestCase = std::size_t{3} << 20;  // bytes
 
@@ -43,11 +46,15 @@ absl::StatusOr<std::string> Upload(const std::filesystem::path& file,
   return response.sha256();
 }
 
-double MetricOf(const v1::CaseResult& result, const std::string& name) {
+double ValueOf(const v1::CaseResult& result, const std::string& name) {
   for (const v1::Metric& metric : result.metrics()) {
     if (metric.name() == name) return metric.value();
   }
   return 0;
+}
+
+double ValueOf(const v1::CaseResult& result, BuiltInMetric metric) {
+  return ValueOf(result, simulator::DescriptionOf(metric).name);
 }
 
 // Without what is only rounding.
@@ -92,15 +99,16 @@ void PrintCases(const v1::Analysis& analysis, const Output& output) {
   if (analysis.cases().empty()) return;
   std::vector<std::vector<std::string>> rows;
   for (const v1::CaseResult& result : analysis.cases()) {
-    const double safety = MetricOf(result, "safety_factor");
-    rows.push_back({result.name(),
-                    absl::StrFormat("%.4g mm", MetricOf(result, "max_displacement") / kMillimetre),
-                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_von_mises") / kMegapascal),
-                    absl::StrFormat("%.4g MPa", MetricOf(result, "max_principal") / kMegapascal),
-                    safety > 0 ? absl::StrFormat("%.3g", safety) : "",
-                    absl::StrFormat("%.4g J", MetricOf(result, "strain_energy")),
-                    absl::StrFormat("%.2g %%", 100 * MetricOf(result, "relative_error")),
-                    Newtons(result.total_reaction())});
+    const double safety = ValueOf(result, "safety_factor");
+    rows.push_back(
+        {result.name(),
+         absl::StrFormat("%.4g mm", ValueOf(result, BuiltInMetric::kMaxDisplacement) / kMillimetre),
+         absl::StrFormat("%.4g MPa", ValueOf(result, BuiltInMetric::kMaxVonMises) / kMegapascal),
+         absl::StrFormat("%.4g MPa", ValueOf(result, BuiltInMetric::kMaxPrincipal) / kMegapascal),
+         safety > 0 ? absl::StrFormat("%.3g", safety) : "",
+         absl::StrFormat("%.4g J", ValueOf(result, BuiltInMetric::kStrainEnergy)),
+         absl::StrFormat("%.2g %%", 100 * ValueOf(result, BuiltInMetric::kRelativeError)),
+         Newtons(result.total_reaction())});
   }
   output.Table({"load case", "displacement", "von Mises", "principal", "safety", "energy", "error",
                 "reaction (N)"},

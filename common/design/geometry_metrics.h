@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/design/metric.h"
+#include "common/design/metric_registry.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/measures/floating_solid.h"
 #include "common/mesh/surface_mesh.h"
@@ -35,9 +35,7 @@ class GeometryMetrics {
  public:
   explicit GeometryMetrics(std::vector<SolidPart> parts, Surroundings surroundings = {});
 
-  // Returns mass, volume, center_of_mass_x …, inertia_xx …, projected_area_x …, drag,
-  // toppling_margin, toppling_angle, displaced_volume, draught, freeboard, metacentric_height, in
-  // the order in which they are shown.
+  // Returns the metrics of MetricSource::kParts, in the order in which they are shown.
   static const std::vector<MetricDescription>& Offered();
 
   // Returns the value of an offered metric. FAILED_PRECONDITION, SINKS, for those of what floats
@@ -51,6 +49,8 @@ class GeometryMetrics {
  private:
   const mesh::MassProperties& Body();
   absl::StatusOr<mesh::Floating> Float();
+  absl::StatusOr<double> ValueInPlace(BuiltInMetric metric);
+  absl::StatusOr<double> ValueAfloat(double mesh::Floating::*value);
 
   std::vector<mesh::SurfaceMesh> surfaces_;
   std::vector<double> densities_;  // of the surfaces, kg/m³

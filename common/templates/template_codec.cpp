@@ -12,8 +12,8 @@
 #include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "common/design/design_metrics.h"
 #include "common/design/field_checks.h"
+#include "common/design/metric_registry.h"
 #include "common/design/parameter_values.h"
 #include "common/design/template_validation.h"
 #include "common/files/metric_codec.h"
@@ -371,8 +371,9 @@ absl::Status CheckCustomMetrics(const v1::Template& message) {
   for (const v1::Parameter& parameter : ParametersOf(message)) {
     parameters.push_back({parameter.name(), parameter.unit()});
   }
-  std::vector<FieldViolation> findings = parametric::CheckMetricDefinitions(
-      parametric::MetricDefinitionsOf(message), parameters, parametric::DesignMetrics());
+  std::vector<FieldViolation> findings =
+      parametric::CheckMetricDefinitions(parametric::MetricDefinitionsOf(message), parameters,
+                                         simulator::UnitsOf(simulator::OfferedMetrics()));
   const std::string kind = message.has_cad() ? "cad." : message.has_cage() ? "cage." : "";
   for (FieldViolation& finding : findings) finding.field = kind + finding.field;
   return parametric::ToStatus(findings);

@@ -29,62 +29,6 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-const std::vector<MetricDescription>& MetricsUnderLoads() {
-  static const std::vector<MetricDescription> metrics{
-      {"max_displacement", "m", "Largest displacement of any point under the loads.",
-       MetricSource::kLoads},
-      {"max_von_mises", "Pa",
-       "Largest von Mises stress at any node. At sharp inner corners it grows with refinement.",
-       MetricSource::kLoads},
-      {"max_principal", "Pa",
-       "Largest principal stress at any node: what pulls most. At sharp inner corners it grows "
-       "with refinement.",
-       MetricSource::kLoads},
-      {"compliance", "J", "Work of the loads on the displacements, f·u: the smaller, the stiffer.",
-       MetricSource::kLoads},
-      {"strain_energy", "J", "Elastic energy stored under the loads.", MetricSource::kLoads},
-      {"stress_ratio", "1", "Largest von Mises stress of a part over its material's strength.",
-       MetricSource::kLoads},
-      {"relative_error", "1",
-       "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
-       MetricSource::kLoads}};
-  return metrics;
-}
-
-const std::vector<MetricDescription>& MetricsOfHeat() {
-  static const std::vector<MetricDescription> metrics{
-      {"max_temperature", "K", "Highest temperature at any node.", MetricSource::kHeat},
-      {"min_temperature", "K", "Lowest temperature at any node.", MetricSource::kHeat},
-      {"mean_temperature", "K", "Mean temperature over the volume.", MetricSource::kHeat},
-      {"heat_dissipation", "W",
-       "Heat that leaves through convections and held temperatures, those that let more out than "
-       "in.",
-       MetricSource::kHeat}};
-  return metrics;
-}
-
-const std::vector<MetricDescription>& MetricsOfAirflow() {
-  static const std::vector<MetricDescription> metrics{
-      {"airflow_drag", "N", "Force of the air along the wind.", MetricSource::kAirflow},
-      {"airflow_force_x", "N", "Force of the air along x.", MetricSource::kAirflow},
-      {"airflow_force_y", "N", "Force of the air along y.", MetricSource::kAirflow},
-      {"airflow_force_z", "N", "Force of the air along z: lift.", MetricSource::kAirflow},
-      {"max_air_pressure", "Pa", "Highest pressure on the outside, above that of the oncoming air.",
-       MetricSource::kAirflow},
-      {"min_air_pressure", "Pa",
-       "Lowest pressure on the outside, below 0 where the air sucks. At sharp edges it falls with "
-       "refinement.",
-       MetricSource::kAirflow}};
-  return metrics;
-}
-
-const MetricDescription* FindMetric(const std::string& name) {
-  for (const MetricDescription& metric : OfferedMetrics()) {
-    if (metric.name == name) return &metric;
-  }
-  return nullptr;
-}
-
 std::vector<SolidPart> PartsOf(const DesignModel& model) {
   if (!model.parts.empty()) return model.parts;
   std::vector<SolidPart> parts;
@@ -180,24 +124,6 @@ bool OfPointsAlone(const parametric::MetricCall& call, const parametric::MetricE
 
 }  // namespace
 
-const std::vector<MetricDescription>& OfferedMetrics() {
-  static const std::vector<MetricDescription> metrics = [] {
-    std::vector<MetricDescription> all = GeometryMetrics::Offered();
-    all.push_back({"surface_area", "m^2", "Area of the outside of all parts joined.",
-                   MetricSource::kOutside});
-    all.push_back({"cost", "", "What the material costs by the prices of the items, without waste.",
-                   MetricSource::kPrices});
-    all.push_back({"natural_frequency", "Hz",
-                   "Lowest frequency at which it vibrates on its supports, other than as a whole.",
-                   MetricSource::kModes});
-    for (const auto& others : {MetricsOfHeat(), MetricsOfAirflow(), MetricsUnderLoads()}) {
-      all.insert(all.end(), others.begin(), others.end());
-    }
-    return all;
-  }();
-  return metrics;
-}
-
 bool IsLoaded(const DesignModel& model) {
   const auto loads_something = [](const LoadCase& loads) {
     return !loads.forces.empty() || !loads.pressures.empty() || !loads.tractions.empty() ||
@@ -215,7 +141,8 @@ bool HasGradient(const std::string& metric, const parametric::MetricExpressions&
   const parametric::MetricExpressions::Needs needs = own.NeedsOf(std::vector{metric});
   return std::all_of(needs.metrics.begin(), needs.metrics.end(),
                      [](const std::string& name) {
-                       return name == "mass" || name == "volume" || HasGradientUnderLoads(name);
+                       const MetricDescription* const known = FindMetric(name);
+                       return known != nullptr && known->has_gradient;
                      }) &&
          std::all_of(needs.calls.begin(), needs.calls.end(),
                      [](const parametric::MetricCall& call) {
@@ -280,7 +207,8 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   }
   const std::vector<std::string> needed = options.custom_metrics.NeedsOf(metrics).metrics;
   plan.estimates =
-      fields || std::find(needed.begin(), needed.end(), "relative_error") != needed.end();
+      fields || std::find(needed.begin(), needed.end(),
+                          DescriptionOf(BuiltInMetric::kRelativeError).name) != needed.end();
   std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(plan.with_gradient),
                [&](const std::string& name) { return HasGradient(name, options.custom_metrics); });
   return plan;
@@ -303,7 +231,8 @@ absl::StatusOr<mesh::TetrahedralMesh> MakeMesh(const DesignModel& model,
 Gradients GradientsOfShape(const DesignModel& model, const std::vector<std::string>& names,
                            const DesignAnalysisOptions& options) {
   const DesignMotion& motion = *options.motion;
-  Gradients gradients = {{"mass", motion.mass}, {"volume", motion.volume}};
+  Gradients gradients = {{DescriptionOf(BuiltInMetric::kMass).name, motion.mass},
+                         {DescriptionOf(BuiltInMetric::kVolume).name, motion.volume}};
   for (const parametric::MetricCall& call : options.custom_metrics.NeedsOf(names).calls) {
     if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
     auto gradient =

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "common/design/geometry_metrics.h"
 #include "common/design/metric.h"
+#include "common/design/metric_registry.h"
 #include "common/expressions/metric_expressions.h"
 #include "common/fem/elements/analysis_case.h"
 #include "common/fem/linear/stage_progress.h"
@@ -46,16 +47,9 @@ struct DesignModel {
 // Whether anything in the model causes stress: a load, a support that is moved, or temperatures.
 bool IsLoaded(const DesignModel& model);
 
-// Returns the metrics that are offered: those of GeometryMetrics; surface_area; cost;
-// natural_frequency; max_temperature, min_temperature, mean_temperature, heat_dissipation;
-// airflow_drag, airflow_force_x, _y and _z, max_air_pressure, min_air_pressure; and of the load
-// case where each is worst max_displacement, max_von_mises, max_principal, compliance,
-// strain_energy, stress_ratio, relative_error.
-const std::vector<MetricDescription>& OfferedMetrics();
-
-// Whether a metric, or all that one of `own` needs, has an exact gradient on designs that say how
-// they move: mass, volume, and those of HasGradientUnderLoads; areas, centroids, distances and
-// displacements of faces and points.
+// Whether a metric of the registry, or all that one of `own` needs, has an exact gradient on
+// designs that say how they move (MetricDescription::has_gradient; areas, centroids, distances and
+// displacements of faces and points).
 bool HasGradient(const std::string& metric, const parametric::MetricExpressions& own = {});
 
 // What must be known of a design to tell some metrics of it.
@@ -121,11 +115,12 @@ struct DesignAnalysis {
   double seconds = 0;
 };
 
-// Computes `metrics` by name, in order; INVALID_ARGUMENT naming "metrics[i]" for an unknown one,
-// FAILED_PRECONDITION, NO_HEAT, for temperatures of a model without heat; else as GeometryMetrics,
-// the design's cost, MeshAssembly, SolveHeat, SolveAirflow, ElasticSystem and FindModes fail;
-// "modes" where there are more than the mesh has. With `fields` all that the model has is solved in
-// any case: loads, if it is loaded or neither heat nor air are there, and heat.
+// Computes `metrics` by name, in order, each of metric_registry.h or of the options; those under
+// loads are of the load case where each is worst. INVALID_ARGUMENT naming "metrics[i]" for an
+// unknown one, FAILED_PRECONDITION, NO_HEAT, for temperatures of a model without heat; else as
+// GeometryMetrics, the design's cost, MeshAssembly, SolveHeat, SolveAirflow, ElasticSystem and
+// FindModes fail; "modes" where there are more than the mesh has. With `fields` all that the model
+// has is solved in any case: loads, if it is loaded or neither heat nor air are there, and heat.
 absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
                                              const std::vector<std::string>& metrics, bool fields,
                                              const DesignAnalysisOptions& options = {});

@@ -5,7 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/metric_registry.h"
 #include "common/fem/elements/loads.h"
 #include "common/fem/elements/point_location.h"
 #include "common/fem/elements/shape_derivative.h"
@@ -254,27 +256,36 @@ class StressGradients {
   std::map<std::size_t, Recovered> recovered_;
 };
 
-bool IsOfStress(const std::string& metric) {
-  return metric == "max_von_mises" || metric == "max_principal" || metric == "stress_ratio";
-}
-
-absl::StatusOr<Eigen::VectorXd> GradientOf(const std::string& metric, const SolvedLoads& solved,
+// The gradient of a metric under loads that has one.
+absl::StatusOr<Eigen::VectorXd> GradientOf(BuiltInMetric metric, const SolvedLoads& solved,
                                            const AdjointGradients& gradients,
                                            std::optional<StressGradients>& stresses) {
-  if (IsOfStress(metric)) {
-    if (!stresses) stresses.emplace(solved, gradients);
-    if (metric == "max_principal") return stresses->Principal();
-    return metric == "stress_ratio" ? stresses->Ratio() : stresses->VonMisesOf();
+  const auto of_stress = [&]() -> StressGradients& {
+    return stresses ? *stresses : stresses.emplace(solved, gradients);
+  };
+  const auto of_compliance = [&] {
+    return gradients.Compliance(
+        Worst(solved.cases, [](const SolvedCase& of) { return of.solution.summary.compliance; }));
+  };
+  switch (metric) {
+    case BuiltInMetric::kMaxVonMises:
+      return of_stress().VonMisesOf();
+    case BuiltInMetric::kMaxPrincipal:
+      return of_stress().Principal();
+    case BuiltInMetric::kStressRatio:
+      return of_stress().Ratio();
+    case BuiltInMetric::kMaxDisplacement:
+      return gradients.LargestDisplacement(Worst(solved.cases, [](const SolvedCase& of) {
+        return of.solution.summary.maximum_displacement;
+      }));
+    case BuiltInMetric::kCompliance:
+      return of_compliance();
+    case BuiltInMetric::kStrainEnergy:
+      return Eigen::VectorXd(of_compliance() / 2);
+    default:
+      return absl::InternalError(
+          absl::StrCat("nothing computes the gradient of ", DescriptionOf(metric).name));
   }
-  if (metric == "max_displacement") {
-    return gradients.LargestDisplacement(Worst(solved.cases, [](const SolvedCase& of) {
-      return of.solution.summary.maximum_displacement;
-    }));
-  }
-  const std::size_t worst =
-      Worst(solved.cases, [](const SolvedCase& of) { return of.solution.summary.compliance; });
-  const Eigen::VectorXd gradient = gradients.Compliance(worst);
-  return metric == "compliance" ? gradient : Eigen::VectorXd(gradient / 2);
 }
 
 // A displacement of a place, and its derivatives.
@@ -381,11 +392,6 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedL
 
 }  // namespace
 
-bool HasGradientUnderLoads(const std::string& metric) {
-  return metric == "compliance" || metric == "strain_energy" || metric == "max_displacement" ||
-         IsOfStress(metric);
-}
-
 bool HasGradientUnderLoads(const MetricCall& call) {
   return call.function->name.starts_with("mean_displacement") ||
          call.function->name.starts_with("max_displacement");
@@ -450,9 +456,11 @@ absl::StatusOr<std::map<std::string, Eigen::VectorXd>> GradientsUnderLoads(
   MORTISE_ASSIGN_OR_RETURN(const AdjointGradients gradients,
                            AdjointGradients::Create(solved, motion));
   std::optional<StressGradients> stresses;
-  for (const std::string& metric : metrics) {
-    if (!HasGradientUnderLoads(metric)) continue;
-    MORTISE_ASSIGN_OR_RETURN(found[metric], GradientOf(metric, solved, gradients, stresses));
+  for (const std::string& name : metrics) {
+    const MetricDescription* const metric = FindMetric(name);
+    const bool is_known = metric != nullptr && metric->source == MetricSource::kLoads;
+    if (!is_known || !metric->has_gradient) continue;
+    MORTISE_ASSIGN_OR_RETURN(found[name], GradientOf(metric->metric, solved, gradients, stresses));
   }
   for (const MetricCall& call : calls) {
     if (!HasGradientUnderLoads(call)) continue;

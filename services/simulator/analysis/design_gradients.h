@@ -38,12 +38,8 @@ struct DesignMotion {
   Eigen::VectorXd mass, volume;  // kg and m³, per unit of each parameter
 };
 
-// Whether gradients under loads are known of this metric: compliance, strain_energy,
-// max_displacement, max_von_mises, max_principal and stress_ratio; what is largest somewhere is
-// differentiated at the node where it is.
-bool HasGradientUnderLoads(const std::string& metric);
-
-// Likewise of displacements of faces and points, mean or largest, in all or along an axis.
+// Whether the gradient of a call is known under loads: it is of displacements of faces and points,
+// mean or largest, in all or along an axis.
 bool HasGradientUnderLoads(const parametric::MetricCall& call);
 
 // Returns the gradient of an area, a centroid or a distance of faces and points; nothing where a
@@ -70,9 +66,10 @@ struct SolvedLoads {
   int threads = 1;
 };
 
-// Returns the gradients of those metrics and calls that have one, by metric or by ToText of the
-// call: of the load case where each is largest (of a call: in magnitude), or the one that it names.
-// Fails as NodeVelocities does and as the system solves.
+// Returns the gradients of those metrics under loads and calls that have one, by metric or by
+// ToText of the call: of the load case where each is largest (of a call: in magnitude), or the one
+// that it names. What is largest somewhere is differentiated at the node where it is. Fails as
+// NodeVelocities does and as the system solves.
 absl::StatusOr<std::map<std::string, Eigen::VectorXd>> GradientsUnderLoads(
     const SolvedLoads& solved, const DesignMotion& motion, const std::vector<std::string>& metrics,
     const std::vector<parametric::MetricCall>& calls);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <string>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
 
@@ -24,32 +24,67 @@ double LowestFrequency(const ModalSolution& vibration) {
   return vibration.modes[static_cast<std::size_t>(vibration.rigid_motions)].frequency;
 }
 
-double ValueOfHeat(const std::string& name, const HeatSolution& heat) {
-  if (name == "max_temperature") return heat.maximum;
-  if (name == "min_temperature") return heat.minimum;
-  if (name == "mean_temperature") return heat.mean;
-  return DissipatedHeat(heat);
+absl::Status NotReadFrom(const char* source, BuiltInMetric metric) {
+  return absl::InternalError(
+      absl::StrCat(DescriptionOf(metric).name, " is not computed from ", source));
 }
 
-double ValueOfAirflow(const std::string& name, const AirflowSolution& airflow,
-                      const Eigen::Vector3d& wind) {
-  if (name == "airflow_drag") return airflow.force.dot(wind.normalized());
-  if (name == "airflow_force_x") return airflow.force.x();
-  if (name == "airflow_force_y") return airflow.force.y();
-  if (name == "airflow_force_z") return airflow.force.z();
-  return name == "max_air_pressure" ? airflow.maximum_pressure : airflow.minimum_pressure;
+absl::StatusOr<double> ValueOfHeat(BuiltInMetric metric, const HeatSolution& heat) {
+  switch (metric) {
+    case BuiltInMetric::kMaxTemperature:
+      return heat.maximum;
+    case BuiltInMetric::kMinTemperature:
+      return heat.minimum;
+    case BuiltInMetric::kMeanTemperature:
+      return heat.mean;
+    case BuiltInMetric::kHeatDissipation:
+      return DissipatedHeat(heat);
+    default:
+      return NotReadFrom("heat", metric);
+  }
 }
 
-double ValueUnderLoads(const std::string& name, const DesignModel& model,
-                       const SolvedCase& solved) {
+absl::StatusOr<double> ValueOfAirflow(BuiltInMetric metric, const AirflowSolution& airflow,
+                                      const Eigen::Vector3d& wind) {
+  switch (metric) {
+    case BuiltInMetric::kAirflowDrag:
+      return airflow.force.dot(wind.normalized());
+    case BuiltInMetric::kAirflowForceX:
+      return airflow.force.x();
+    case BuiltInMetric::kAirflowForceY:
+      return airflow.force.y();
+    case BuiltInMetric::kAirflowForceZ:
+      return airflow.force.z();
+    case BuiltInMetric::kMaxAirPressure:
+      return airflow.maximum_pressure;
+    case BuiltInMetric::kMinAirPressure:
+      return airflow.minimum_pressure;
+    default:
+      return NotReadFrom("the air", metric);
+  }
+}
+
+absl::StatusOr<double> ValueUnderLoads(BuiltInMetric metric, const DesignModel& model,
+                                       const SolvedCase& solved) {
   const ElasticitySolution& solution = solved.solution;
-  if (name == "max_displacement") return solution.summary.maximum_displacement;
-  if (name == "max_von_mises") return solution.part_maximum_von_mises.maxCoeff();
-  if (name == "max_principal") return solution.maximum_principal.maxCoeff();
-  if (name == "relative_error") return solved.error->relative;
-  if (name == "compliance") return solution.summary.compliance;
-  if (name == "strain_energy") return solution.summary.strain_energy;
-  return StressRatio(model, solution);
+  switch (metric) {
+    case BuiltInMetric::kMaxDisplacement:
+      return solution.summary.maximum_displacement;
+    case BuiltInMetric::kMaxVonMises:
+      return solution.part_maximum_von_mises.maxCoeff();
+    case BuiltInMetric::kMaxPrincipal:
+      return solution.maximum_principal.maxCoeff();
+    case BuiltInMetric::kCompliance:
+      return solution.summary.compliance;
+    case BuiltInMetric::kStrainEnergy:
+      return solution.summary.strain_energy;
+    case BuiltInMetric::kStressRatio:
+      return StressRatio(model, solution);
+    case BuiltInMetric::kRelativeError:
+      return solved.error->relative;
+    default:
+      return NotReadFrom("the loads", metric);
+  }
 }
 
 }  // namespace
@@ -88,16 +123,20 @@ absl::StatusOr<Metric> ReadMetric(const MetricDescription& metric, const DesignM
     case MetricSource::kModes:
       computed.value = LowestFrequency(*analysis.vibration);
       break;
-    case MetricSource::kHeat:
-      computed.value = ValueOfHeat(metric.name, *analysis.heat);
+    case MetricSource::kHeat: {
+      MORTISE_ASSIGN_OR_RETURN(computed.value, ValueOfHeat(metric.metric, *analysis.heat));
       break;
-    case MetricSource::kAirflow:
-      computed.value = ValueOfAirflow(metric.name, *analysis.airflow, wind);
+    }
+    case MetricSource::kAirflow: {
+      MORTISE_ASSIGN_OR_RETURN(computed.value,
+                               ValueOfAirflow(metric.metric, *analysis.airflow, wind));
       break;
+    }
     case MetricSource::kLoads:
       computed.value = -std::numeric_limits<double>::infinity();
       for (const SolvedCase& solved : analysis.cases) {
-        computed.value = std::max(computed.value, ValueUnderLoads(metric.name, model, solved));
+        MORTISE_ASSIGN_OR_RETURN(const double value, ValueUnderLoads(metric.metric, model, solved));
+        computed.value = std::max(computed.value, value);
       }
       break;
   }

@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "common/design/geometry_metrics.h"
 #include "common/design/metric.h"
+#include "common/design/metric_registry.h"
 #include "common/mesh/surface_mesh.h"
 #include "services/simulator/analysis/design_analysis.h"
 

@@ -2,15 +2,13 @@
 
 #include <cmath>
 
+#include "common/design/metric_registry.h"
+
 namespace mortise::simulator {
 namespace {
 
-void AddMetric(const char* name, const char* unit, double value, v1::CaseResult& message) {
-  v1::Metric& metric = *message.add_metrics();
-  metric.set_name(name);
-  metric.set_unit(unit);
-  metric.set_value(value);
-}
+// How much stronger a part is than its stress, which only load cases tell.
+constexpr char kSafetyFactor[] = "safety_factor";
 
 v1::SolverReport ReportOf(const ElasticitySummary& summary) {
   const bool is_direct = summary.solver.kind == SolverKind::kDirect;
@@ -33,6 +31,14 @@ v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
   return message;
 }
 
+v1::Metric ToProto(const Metric& metric) {
+  v1::Metric message;
+  message.set_name(metric.name);
+  message.set_unit(metric.unit);
+  message.set_value(metric.value);
+  return message;
+}
+
 SolverKind SolverKindOf(v1::SolverKind kind) {
   switch (kind) {
     case v1::DIRECT:
@@ -48,14 +54,17 @@ void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
           v1::CaseResult& message) {
   message.set_name(outcome.name);
   const ElasticitySummary& summary = outcome.summary;
-  AddMetric("max_displacement", "m", summary.maximum_displacement, message);
-  AddMetric("max_von_mises", "Pa", outcome.maximum_von_mises, message);
-  AddMetric("max_principal", "Pa", outcome.maximum_principal, message);
-  AddMetric("strain_energy", "J", summary.strain_energy, message);
-  AddMetric("compliance", "J", summary.compliance, message);
-  AddMetric("relative_error", "1", outcome.relative_error, message);
+  const auto add = [&message](BuiltInMetric metric, double value) {
+    *message.add_metrics() = ToProto(MetricOf(metric, value));
+  };
+  add(BuiltInMetric::kMaxDisplacement, summary.maximum_displacement);
+  add(BuiltInMetric::kMaxVonMises, outcome.maximum_von_mises);
+  add(BuiltInMetric::kMaxPrincipal, outcome.maximum_principal);
+  add(BuiltInMetric::kStrainEnergy, summary.strain_energy);
+  add(BuiltInMetric::kCompliance, summary.compliance);
+  add(BuiltInMetric::kRelativeError, outcome.relative_error);
   const double safety = outcome.part_safety_factor.minCoeff();
-  if (std::isfinite(safety)) AddMetric("safety_factor", "1", safety, message);
+  if (std::isfinite(safety)) *message.add_metrics() = ToProto(Metric{kSafetyFactor, "1", safety});
   *message.mutable_total_load() = ToProto(summary.total_load);
   *message.mutable_total_reaction() = ToProto(summary.total_reaction);
   for (const Eigen::Vector3d& reaction : outcome.reactions) {

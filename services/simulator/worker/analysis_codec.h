@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/design/metric.h"
 #include "common/fem/linear/linear_solver.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/airflow/airflow.h"
@@ -13,6 +14,7 @@
 namespace mortise::simulator {
 
 v1::Vector3 ToProto(const Eigen::Vector3d& vector);
+v1::Metric ToProto(const Metric& metric);
 
 SolverKind SolverKindOf(v1::SolverKind kind);
 

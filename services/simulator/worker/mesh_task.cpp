@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/metric_registry.h"
 #include "common/mesh/files/grouped_mesh.h"
 #include "common/rpc/message_check.h"
 #include "services/simulator/analysis/mesh_analysis.h"
@@ -16,13 +17,6 @@ namespace {
 // The memory a mesh file may take while it is read, as a multiple of its size. Ordinary ones take
 // 3, the worst a dozen.
 constexpr double kMemoryOfFile = 12;
-
-void AddMetric(const char* name, const char* unit, double value, v1::EvaluationResult& result) {
-  v1::Metric& metric = *result.add_metrics();
-  metric.set_name(name);
-  metric.set_unit(unit);
-  metric.set_value(value);
-}
 
 void Fill(const MeshAnalysis& analysis, const MeshModel& model, v1::Analysis& message) {
   message.set_title(model.title);
@@ -69,8 +63,9 @@ absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& surroundi
                                         .stop = surroundings.stop,
                                         .progress = progress},
                                        surroundings.keep));
-  AddMetric("mass", "kg", analysis.mass, *report.mutable_result());
-  AddMetric("volume", "m^3", analysis.volume, *report.mutable_result());
+  *report.mutable_result()->add_metrics() = ToProto(MetricOf(BuiltInMetric::kMass, analysis.mass));
+  *report.mutable_result()->add_metrics() =
+      ToProto(MetricOf(BuiltInMetric::kVolume, analysis.volume));
   Fill(analysis, model, *report.mutable_analysis());
   // A report that is not finite would be refused, and the task tried again and again.
   const absl::Status finite = rpc::CheckMessage(report);

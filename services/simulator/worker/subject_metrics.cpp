@@ -15,12 +15,9 @@ absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemp
   for (const parametric::Parameter& parameter : compiled.function->parameters()) {
     parameters.push_back({parameter.name, parameter.unit});
   }
-  std::vector<parametric::NamedUnit> metrics;
-  for (const MetricDescription& metric : MetricsOf(*compiled.function)) {
-    metrics.push_back({metric.name, metric.unit});
-  }
   std::vector<FieldViolation> findings;
-  parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters, metrics,
+  parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters,
+                                            UnitsOf(MetricsOf(*compiled.function)),
                                             "metric_definitions", findings);
   const absl::Status status = parametric::ToStatus(findings);
   if (!status.ok()) return status;

@@ -243,12 +243,7 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
 }
 
 void FillMetrics(const DesignAnalysis& analysis, v1::EvaluationResult& result) {
-  for (const Metric& metric : analysis.metrics) {
-    v1::Metric* message = result.add_metrics();
-    message->set_name(metric.name);
-    message->set_unit(metric.unit);
-    message->set_value(metric.value);
-  }
+  for (const Metric& metric : analysis.metrics) *result.add_metrics() = ToProto(metric);
 }
 
 void FillGradients(const DesignAnalysis& analysis, v1::EvaluationResult& result) {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
-#include "common/design/design_metrics.h"
+#include "common/design/metric_registry.h"
 #include "common/files/metric_codec.h"
 
 namespace mortise::parametric {
@@ -20,12 +20,13 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 const std::vector<NamedUnit> kParameters{{"length", "m"}, {"angle", "rad"}, {"load", "N"}};
+const std::vector<NamedUnit> kDesignMetrics = simulator::UnitsOf(simulator::OfferedMetrics());
 const Eigen::Vector3d kAt{2, 0.5, 30};
 
 std::vector<FieldViolation> FindingsOf(const MetricDefinitions& definitions,
                                        const MetricDefinitions& earlier = {}) {
   std::vector<FieldViolation> findings;
-  MetricExpressions(definitions, earlier, kParameters, DesignMetrics(), "own", findings);
+  MetricExpressions(definitions, earlier, kParameters, kDesignMetrics, "own", findings);
   return findings;
 }
 
@@ -39,7 +40,7 @@ std::string FirstOf(const std::vector<FieldViolation>& findings) {
 
 MetricExpressions Parsed(const MetricDefinitions& definitions) {
   std::vector<FieldViolation> findings;
-  MetricExpressions expressions(definitions, {}, kParameters, DesignMetrics(), "own", findings);
+  MetricExpressions expressions(definitions, {}, kParameters, kDesignMetrics, "own", findings);
   EXPECT_THAT(findings, IsEmpty()) << FirstOf(findings);
   return expressions;
 }
@@ -202,9 +203,9 @@ TEST(MetricExpressions, AreReadFromMessages) {
   metric.set_name("density");
   metric.set_unit("kg/m^3");
   metric.set_expression("mass / volume");
-  EXPECT_THAT(CheckMetricDefinitions(message, {}, DesignMetrics()), IsEmpty());
+  EXPECT_THAT(CheckMetricDefinitions(message, {}, kDesignMetrics), IsEmpty());
   metric.set_unit("kg");
-  const auto findings = CheckMetricDefinitions(message, {}, DesignMetrics());
+  const auto findings = CheckMetricDefinitions(message, {}, kDesignMetrics);
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_EQ(findings[0].field, "metric_definitions.expressions[0].expression");
 }

@@ -9,7 +9,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
-#include "common/design/design_metrics.h"
+#include "common/design/metric_registry.h"
 #include "common/design/parameter_values.h"
 #include "common/files/metric_codec.h"
 #include "common/templates/template_codec.h"
@@ -226,7 +226,7 @@ TEST(CustomMetrics, TellWhatIsWrongWithTheirName) {
 
 // What checks templates knows what is computed of designs.
 TEST(CustomMetrics, MaySpeakOfAllThatIsOffered) {
-  const auto& known = parametric::DesignMetrics();
+  const auto known = UnitsOf(OfferedMetrics());
   const auto& offered = OfferedMetrics();
   ASSERT_EQ(known.size(), offered.size());
   for (std::size_t i = 0; i < known.size(); ++i) {
