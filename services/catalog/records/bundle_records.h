@@ -21,7 +21,7 @@
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/template.pb.h"
 #include "services/catalog/records/record_access.h"
-#include "services/catalog/records/shipped_marks.h"
+#include "services/catalog/records/shipped_revisions.h"
 
 namespace mortise::catalog {
 
@@ -92,7 +92,8 @@ auto ImportRevision(store::Transaction& transaction, const BundleKind& kind, Bun
                            PutNext(transaction, kind.names, message.name(),
                                    bundle.SerializeAsString(), expected_revision));
   if (is_same_content) {
-    MORTISE_RETURN_IF_ERROR(MoveMark(transaction, message.name(), expected_revision, revision));
+    MORTISE_RETURN_IF_ERROR(
+        MoveShippedRevision(transaction, message.name(), expected_revision, revision));
   }
   message.set_revision(revision);
   MORTISE_RETURN_IF_ERROR(AppendEvent(transaction, absl::StrCat(kind.name, ".imported"),

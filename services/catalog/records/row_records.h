@@ -21,7 +21,7 @@
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_tags.h"
 #include "services/catalog/records/record_update.h"
-#include "services/catalog/records/shipped_marks.h"
+#include "services/catalog/records/shipped_revisions.h"
 
 namespace mortise::catalog {
 
@@ -89,7 +89,8 @@ absl::StatusOr<int64_t> PutRow(store::Transaction& transaction, const RowKind& k
       is_new ? PutNew(transaction, kind.names, message.name(), payload)
              : PutNext(transaction, kind.names, message.name(), payload, present->revision()));
   if (!is_new && HaveSameContent(*present, message)) {
-    MORTISE_RETURN_IF_ERROR(MoveMark(transaction, message.name(), present->revision(), revision));
+    MORTISE_RETURN_IF_ERROR(
+        MoveShippedRevision(transaction, message.name(), present->revision(), revision));
   }
   MORTISE_RETURN_IF_ERROR(
       AppendEvent(transaction, absl::StrCat(kind.name, is_new ? ".created" : ".updated"),

@@ -21,7 +21,7 @@
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shape_records.h"
-#include "services/catalog/records/shipped_marks.h"
+#include "services/catalog/records/shipped_revisions.h"
 
 namespace mortise::catalog {
 namespace {
@@ -197,7 +197,7 @@ absl::StatusOr<DeliveryQuestion> QuestionOf(store::ReadTransaction& transaction,
   DeliveryQuestion question;
   question.digest = thing.digest;
   question.is_newer = is_newer;
-  MORTISE_ASSIGN_OR_RETURN(question.mark, GetMark(transaction, thing.name));
+  MORTISE_ASSIGN_OR_RETURN(question.shipped, GetShippedRevision(transaction, thing.name));
   MORTISE_ASSIGN_OR_RETURN(question.present, FindPresent(transaction, thing.kind, thing.name));
   return question;
 }
@@ -232,7 +232,7 @@ class Loader {
       if (!as_shipped) delivery = Delivery::kKeepOwn;
     }
     // What is there stays known as what it was.
-    ShippedMark as_before = question.mark.value_or(ShippedMark());
+    ShippedRevision as_before = question.shipped.value_or(ShippedRevision());
     as_before.digest = thing.digest;
     as_before.failed = false;
     switch (delivery) {
@@ -240,7 +240,7 @@ class Loader {
         return absl::OkStatus();
       case Delivery::kKeepOwn:
         report_.kept.push_back(thing.name);
-        return PutMark(transaction_, thing.name, as_before);
+        return PutShippedRevision(transaction_, thing.name, as_before);
       case Delivery::kCreate:
       case Delivery::kUpdate:
         return Bring(thing, question.present ? question.present->revision : 0, as_before);
@@ -248,7 +248,7 @@ class Loader {
     return absl::OkStatus();
   }
 
-  absl::Status Bring(const Thing& thing, int64_t present, ShippedMark as_before) {
+  absl::Status Bring(const Thing& thing, int64_t present, ShippedRevision as_before) {
     const absl::StatusOr<int64_t> revision = thing.put(present);
     if (!revision.ok()) {
       // Of an empty catalog the collection itself is at fault.
@@ -257,22 +257,22 @@ class Loader {
       }
       report_.failed.push_back(absl::StrCat(thing.name, ": ", revision.status().message()));
       as_before.failed = true;
-      return PutMark(transaction_, thing.name, as_before);
+      return PutShippedRevision(transaction_, thing.name, as_before);
     }
     if (*revision != present) {
       (present == 0 ? report_.created : report_.updated).push_back(thing.name);
     }
     MORTISE_ASSIGN_OR_RETURN(const auto brought, FindPresent(transaction_, thing.kind, thing.name));
-    return PutMark(transaction_, thing.name,
-                   {.digest = thing.digest,
-                    .revision = *revision,
-                    .created_at = brought ? brought->created_at : absl::InfinitePast()});
+    return PutShippedRevision(transaction_, thing.name,
+                              {.digest = thing.digest,
+                               .revision = *revision,
+                               .created_at = brought ? brought->created_at : absl::InfinitePast()});
   }
 
   absl::StatusOr<bool> IsShippedNow(const char* kind, const std::string& name) {
-    MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction_, name));
+    MORTISE_ASSIGN_OR_RETURN(const auto shipped, GetShippedRevision(transaction_, name));
     MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction_, kind, name));
-    return IsAsShipped(mark, present);
+    return IsAsShipped(shipped, present);
   }
 
   store::Transaction& transaction_;
@@ -298,7 +298,7 @@ absl::StatusOr<Standing> StandingOf(store::Store& store, const parametric::Colle
     if (standing == Standing::kOlder) return absl::OkStatus();
     const bool is_newer = collection.number > newest;
     if (is_newer) standing = Standing::kLacks;
-    std::optional<StoreOrigin> origin;  // looked for where something has no mark
+    std::optional<StoreOrigin> origin;  // looked for where the store does not say what was shipped
     const auto filled_at = [&]() -> absl::StatusOr<absl::Time> {
       if (!origin) {
         MORTISE_ASSIGN_OR_RETURN(origin, OriginOf(transaction));

@@ -11,8 +11,8 @@
 #include "common/host/chunk_stream.h"
 #include "common/rpc/server_host.h"
 #include "services/catalog/exchange/design_export.h"
-#include "services/catalog/service/design_answer.h"
 #include "services/catalog/service/design_stream.h"
+#include "services/catalog/service/evaluated_design_reply.h"
 #include "services/catalog/service/template_reading.h"
 
 namespace mortise::catalog::methods {

@@ -10,10 +10,10 @@
 #include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
-#include "services/catalog/service/asked_parameters.h"
 #include "services/catalog/service/assembly_reading.h"
-#include "services/catalog/service/demand_check.h"
 #include "services/catalog/service/design_stream.h"
+#include "services/catalog/service/request_demands.h"
+#include "services/catalog/service/request_parameters.h"
 
 namespace mortise::catalog::methods {
 namespace {
@@ -79,7 +79,7 @@ absl::StatusOr<Chosen> ChooseFor(Catalog& catalog, const rpc::Call& call,
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
   if (!found.ok()) return Together(count, found.status());
-  absl::StatusOr<Eigen::VectorXd> from = AskedParameters(asked.q(), *found->parametrized, "q");
+  absl::StatusOr<Eigen::VectorXd> from = RequestParameters(asked.q(), *found->parametrized, "q");
   const absl::Status demands = CheckDemands(*found->parametrized, asked.demands());
   MORTISE_RETURN_IF_ERROR(Together(count, Together(from.status(), demands)));
   return Chosen{*std::move(found), *std::move(from)};
@@ -92,7 +92,7 @@ absl::StatusOr<ChosenPoints> ChooseFor(Catalog& catalog, const rpc::Call& call,
       FindParametrized(catalog, call, asked.name(), asked.revision());
   if (!found.ok()) return Together(count, found.status());
   absl::StatusOr<std::vector<Eigen::VectorXd>> points =
-      AskedPoints(asked.points(), *found->parametrized);
+      RequestPoints(asked.points(), *found->parametrized);
   MORTISE_RETURN_IF_ERROR(Together(count, points.status()));
   return ChosenPoints{*std::move(found), *std::move(points)};
 }
@@ -103,7 +103,7 @@ absl::StatusOr<Chosen> ChooseFor(Catalog& catalog, const rpc::Call& call,
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
   if (!found.ok()) return Together(format, found.status());
-  absl::StatusOr<Eigen::VectorXd> q = AskedParameters(asked.q(), *found->parametrized, "q");
+  absl::StatusOr<Eigen::VectorXd> q = RequestParameters(asked.q(), *found->parametrized, "q");
   const absl::Status pose = CheckRestPose(found->parametrized->assembly(), asked.rest_pose());
   MORTISE_RETURN_IF_ERROR(Together(format, Together(q.status(), pose)));
   return Chosen{*std::move(found), *std::move(q)};

@@ -52,8 +52,8 @@ std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
   return stencils;
 }
 
-v1::DesignPoint Beside(const v1::DesignSpace& space, const v1::DesignPoint& point, int parameter,
-                       double offset) {
+v1::DesignPoint PointAtOffset(const v1::DesignSpace& space, const v1::DesignPoint& point,
+                              int parameter, double offset) {
   v1::DesignPoint beside = point;
   const v1::DesignSpace::DesignParameter& range = space.parameters(parameter);
   beside.set_parameters(parameter, std::clamp(point.parameters(parameter) + offset, range.minimum(),

@@ -27,9 +27,9 @@ struct DifferenceStencil {
 std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
                                               const v1::DesignPoint& point, double step);
 
-// The point with an offset added to a parameter, and held within the space.
-v1::DesignPoint Beside(const v1::DesignSpace& space, const v1::DesignPoint& point, int parameter,
-                       double offset);
+// Returns the point with an offset added to a parameter, and held within the space.
+v1::DesignPoint PointAtOffset(const v1::DesignSpace& space, const v1::DesignPoint& point,
+                              int parameter, double offset);
 
 // The slope at 0 of the parabola through `at` and the values at both offsets: exact for quadratic
 // functions. With one of them that of the line, with none nothing; 0 for an empty stencil.

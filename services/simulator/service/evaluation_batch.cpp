@@ -59,7 +59,7 @@ class DifferencedPoint : public std::enable_shared_from_this<DifferencedPoint> {
     for (int k = 0; k < space.parameters_size() && !metrics_.empty(); ++k) {
       if (stencils_[k].IsEmpty()) continue;
       for (int side = 0; side < 2; ++side) {
-        *task.mutable_point() = Beside(space, at, k, stencils_[k].offsets[side]);
+        *task.mutable_point() = PointAtOffset(space, at, k, stencils_[k].offsets[side]);
         evaluations.push_back({task, [self = shared_from_this(), k, side](auto result) {
                                  self->Take(k, side, std::move(result));
                                }});

@@ -136,17 +136,17 @@ absl::Status SimulatorCore::Remember(store::ReadTransaction& transaction, const 
                                      const std::vector<store::Task>& leased) {
   if (leased.empty()) return kEvaluators.Get(transaction, queue, "evaluator").status();
   for (const store::Task& task : leased) {
-    LentTask lent;
-    if (!lent.task.ParseFromString(task.payload)) continue;  // its report will tell
-    lent.evaluator = lent_tasks_.FindEvaluator(lent.task.digest());
-    if (lent.evaluator == nullptr) {
+    LeasedTask kept;
+    if (!kept.task.ParseFromString(task.payload)) continue;  // its report will tell
+    kept.evaluator = leased_tasks_.FindEvaluator(kept.task.digest());
+    if (kept.evaluator == nullptr) {
       MORTISE_ASSIGN_OR_RETURN(v1::Evaluator evaluator,
                                kEvaluators.Get(transaction, queue, "evaluator"));
       // Another of the same name, since the task was queued: its report will tell.
-      if (EvaluatorDigest(evaluator) != lent.task.digest()) continue;
-      lent.evaluator = lent_tasks_.PutEvaluator(lent.task.digest(), std::move(evaluator));
+      if (EvaluatorDigest(evaluator) != kept.task.digest()) continue;
+      kept.evaluator = leased_tasks_.PutEvaluator(kept.task.digest(), std::move(evaluator));
     }
-    lent_tasks_.Put(task.key, std::move(lent));
+    leased_tasks_.Put(task.key, std::move(kept));
   }
   return absl::OkStatus();
 }

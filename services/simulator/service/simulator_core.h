@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "common/host/run_service.h"
 #include "services/simulator/service/evaluation_tasks.h"
-#include "services/simulator/service/lent_tasks.h"
+#include "services/simulator/service/leased_task_cache.h"
 #include "services/simulator/worker/template_source.h"
 
 namespace mortise::v1 {
@@ -32,7 +32,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   rpc::Dispatcher* dispatcher() const { return dispatcher_; }
   TaskWaiters& waiters() { return waiters_; }
   TemplateSource& templates() { return *templates_; }
-  LentTasks& lent_tasks() { return lent_tasks_; }
+  LeasedTaskCache& leased_tasks() { return leased_tasks_; }
 
   // A material of the catalog. NOT_FOUND, UNAVAILABLE.
   absl::StatusOr<v1::Material> GetMaterial(const std::string& name, const rpc::Origin& origin);
@@ -99,7 +99,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   std::shared_ptr<grpc::Channel> catalog_;
   std::unique_ptr<TemplateSource> templates_;
   TaskWaiters waiters_;
-  LentTasks lent_tasks_;
+  LeasedTaskCache leased_tasks_;
   std::string looked_up_to_;  // key; used by LookAtStore alone
   std::mutex mutex_;
   std::vector<IdleWorker> idle_workers_;  // guarded by mutex_

@@ -94,12 +94,12 @@ v1::ListTasksResponse::TaskAndError EntryOf(const store::Task& task) {
 class Report {
  public:
   Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs,
-         LentTasks& lent_tasks)
+         LeasedTaskCache& leased_tasks)
       : asked_(asked),
         key_(std::move(key)),
         queue_(QueueOf(key_)),
         blobs_(blobs),
-        lent_tasks_(lent_tasks) {}
+        leased_tasks_(leased_tasks) {}
 
   // Becomes the task's end, or its next try; the task as it is then. What cannot be used, numbers
   // that are not finite say, ends the task too: sent again it would be no better, and whoever waits
@@ -151,8 +151,8 @@ class Report {
       return absl::OkStatus();
     }
     if (!IsEvaluatorName(queue_)) return absl::OkStatus();
-    if (const auto lent = lent_tasks_.Find(key_)) {
-      fault_ = CompleteResult(lent->task, lent->evaluator->space(), *report.mutable_result());
+    if (const auto leased = leased_tasks_.Find(key_)) {
+      fault_ = CompleteResult(leased->task, leased->evaluator->space(), *report.mutable_result());
       return absl::OkStatus();
     }
     // Another replica leased it, or this one did before it was started again.
@@ -171,7 +171,7 @@ class Report {
   const std::string key_;
   const std::string queue_;
   store::BlobFolder& blobs_;
-  LentTasks& lent_tasks_;
+  LeasedTaskCache& leased_tasks_;
   absl::Status fault_;
 };
 
@@ -267,7 +267,7 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(const Simulator& simulator, co
   MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
   SimulatorCore& core = *simulator.core;
-  Report report(asked, key, *simulator.blobs, core.lent_tasks());
+  Report report(asked, key, *simulator.blobs, core.leased_tasks());
   store::Task task;
   MORTISE_RETURN_IF_ERROR(core.store()->Transact(
       [&](store::Transaction& transaction) -> absl::Status {

@@ -15,7 +15,7 @@
 #include "services/catalog/records/assembly_records.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/record_access.h"
-#include "services/catalog/records/shipped_marks.h"
+#include "services/catalog/records/shipped_revisions.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
 
@@ -356,17 +356,17 @@ TEST_F(TaggedRecordsTest, WhatShippedIsKnownAsThatWithTags) {
   ASSERT_OK(Create(Knob()));
   ASSERT_OK(Change<int64_t>([](store::Transaction& transaction) -> absl::StatusOr<int64_t> {
     MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction, kItems, "items/knob"));
-    MORTISE_RETURN_IF_ERROR(
-        PutMark(transaction, "items/knob",
-                {.digest = "shipped", .revision = 1, .created_at = present->created_at}));
+    MORTISE_RETURN_IF_ERROR(PutShippedRevision(
+        transaction, "items/knob",
+        {.digest = "shipped", .revision = 1, .created_at = present->created_at}));
     return 0;
   }));
   const auto is_as_shipped = [&] {
     bool is = false;
     EXPECT_OK(store_->Read([&](store::ReadTransaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(const auto mark, GetMark(transaction, "items/knob"));
+      MORTISE_ASSIGN_OR_RETURN(const auto shipped, GetShippedRevision(transaction, "items/knob"));
       MORTISE_ASSIGN_OR_RETURN(const auto present, FindPresent(transaction, kItems, "items/knob"));
-      is = IsAsShipped(mark, present);
+      is = IsAsShipped(shipped, present);
       return absl::OkStatus();
     }));
     return is;

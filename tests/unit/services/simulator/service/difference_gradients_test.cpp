@@ -35,7 +35,7 @@ std::optional<double> SlopeOf(const std::function<double(double)>& f, double at,
   const DifferenceStencil stencil = StencilsAround(space, point, step)[0];
   std::array<std::optional<double>, 2> values;
   for (int side = 0; side < 2; ++side) {
-    const double x = Beside(space, point, 0, stencil.offsets[side]).parameters(0);
+    const double x = PointAtOffset(space, point, 0, stencil.offsets[side]).parameters(0);
     EXPECT_GE(x, 1);
     EXPECT_LE(x, 3);
     EXPECT_NEAR(x, at + stencil.offsets[side], 1e-12);

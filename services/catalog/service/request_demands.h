@@ -1,4 +1,4 @@
-// What people ask of an assembly, before it is tried.
+// Checks what a request demands of an assembly, before that is tried.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>

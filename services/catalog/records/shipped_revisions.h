@@ -1,7 +1,7 @@
-// What is known of each thing that came with the collection: which content it had then, and which
-// revision that became; and the number of the newest collection that was. From it follows what a
-// newer collection may change without overwriting what users changed, and that an older one, of a
-// replica that is not up to date yet, changes nothing.
+// Keeps which revision of a resource was shipped with the collection, with which content, and the
+// number of the newest collection that was brought in. From it follows what a newer collection may
+// change without overwriting what users changed, and that an older one, of a replica that is not up
+// to date yet, changes nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@
 
 namespace mortise::catalog {
 
-struct ShippedMark {
+// What was shipped of a resource.
+struct ShippedRevision {
   std::string digest;    // of what was shipped, as the collection has it
   int64_t revision = 0;  // that it became; 0 where a user's own was kept instead
   // When the resource was made that has this revision: one that a user made under the same name,
@@ -40,43 +41,43 @@ enum class Delivery {
   kKeepOwn,  // a user changed it, or made it: it stays
 };
 
-// Whether the resource is still what was shipped.
-bool IsAsShipped(const std::optional<ShippedMark>& mark,
+// Returns whether the resource is still what was shipped.
+bool IsAsShipped(const std::optional<ShippedRevision>& shipped,
                  const std::optional<PresentRevision>& present);
 
 // What a decision is made from.
 struct DeliveryQuestion {
   std::string digest;                      // of what the collection has
-  std::optional<ShippedMark> mark;         // none if it was never shipped to this store
+  std::optional<ShippedRevision> shipped;  // none if it was never shipped to this store
   std::optional<PresentRevision> present;  // none if there is no such resource
-  // Stores that were filled before there were marks have none; there, what was written in the
-  // store's first transaction, and never since, is as it was shipped. Asked only where it matters.
+  // Stores that were filled before there were such records have none; there, what was written in
+  // the store's first transaction, and never since, is as it was shipped. Asked only where it
+  // matters.
   std::function<absl::StatusOr<absl::Time>()> filled_at;
   // Whether the collection is newer than all that were brought before: what could not be brought in
   // then may go in now.
   bool is_newer = false;
 };
 
-// Fails as `filled_at` does.
+// Decides; fails as `filled_at` does.
 absl::StatusOr<Delivery> DecideDelivery(const DeliveryQuestion& question);
 
-// The number of the newest collection that was brought into the store; 0 if none had one.
+// Returns the number of the newest collection that was brought into the store; 0 if none had one.
 absl::StatusOr<int64_t> GetCollectionNumber(store::ReadTransaction& transaction);
 absl::Status PutCollectionNumber(store::Transaction& transaction, int64_t number);
 
-// The mark of the resource `name` ("items/x").
-absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& transaction,
-                                                   const std::string& name);
-absl::Status PutMark(store::Transaction& transaction, const std::string& name,
-                     const ShippedMark& mark);
+// Returns what was shipped of the resource `name` ("items/x"); nothing if nothing was.
+absl::StatusOr<std::optional<ShippedRevision>> GetShippedRevision(
+    store::ReadTransaction& transaction, const std::string& name);
+absl::Status PutShippedRevision(store::Transaction& transaction, const std::string& name,
+                                const ShippedRevision& shipped);
 
-// Takes a mark along from one revision of a resource to the next, which says the same: somebody
-// gave it external ids or labels, and it still is what was shipped. Nothing where the mark is of
-// another revision, or there is none.
-absl::Status MoveMark(store::Transaction& transaction, const std::string& name, int64_t from,
-                      int64_t to);
+// Counts the next revision of a resource as what was shipped, since it says the same: somebody gave
+// it external ids or labels. Does nothing where another revision than `from`, or none, was shipped.
+absl::Status MoveShippedRevision(store::Transaction& transaction, const std::string& name,
+                                 int64_t from, int64_t to);
 
-// The resource `kind/id` in its latest revision, if there is one.
+// Returns the latest revision of the resource `kind/id`, if there is one.
 absl::StatusOr<std::optional<PresentRevision>> FindPresent(store::ReadTransaction& transaction,
                                                            const char* kind,
                                                            const std::string& name);
@@ -88,7 +89,8 @@ struct StoreOrigin {
   // transaction wrote several, which no call does. Otherwise the infinite future.
   absl::Time filled_at = absl::InfiniteFuture();
 };
-// O(records), without reading them.
+
+// Says how the store came to what it holds, in O(records), without reading them.
 absl::StatusOr<StoreOrigin> OriginOf(store::ReadTransaction& transaction);
 
 }  // namespace mortise::catalog

@@ -1,4 +1,4 @@
-#include "services/catalog/service/asked_parameters.h"
+#include "services/catalog/service/request_parameters.h"
 
 #include <cmath>
 #include <utility>
@@ -41,9 +41,9 @@ void CheckNumbers(const Eigen::VectorXd& q, const parametric::ParametricAssembly
 
 }  // namespace
 
-absl::StatusOr<Eigen::VectorXd> AskedParameters(const google::protobuf::RepeatedField<double>& q,
-                                                const parametric::ParametricAssembly& assembly,
-                                                const std::string& field) {
+absl::StatusOr<Eigen::VectorXd> RequestParameters(const google::protobuf::RepeatedField<double>& q,
+                                                  const parametric::ParametricAssembly& assembly,
+                                                  const std::string& field) {
   if (q.empty()) return assembly.drawn();
   if (q.size() != assembly.drawn().size()) {
     return InvalidField(field,
@@ -62,14 +62,14 @@ absl::StatusOr<Eigen::VectorXd> AskedParameters(const google::protobuf::Repeated
   return given;
 }
 
-absl::StatusOr<std::vector<Eigen::VectorXd>> AskedPoints(
+absl::StatusOr<std::vector<Eigen::VectorXd>> RequestPoints(
     const google::protobuf::RepeatedPtrField<v1::EvaluateAssemblyRequest::Point>& points,
     const parametric::ParametricAssembly& assembly) {
   std::vector<Eigen::VectorXd> asked;
   std::vector<FieldViolation> violations;
   for (int i = 0; i < points.size() && violations.size() < kMost; ++i) {
     absl::StatusOr<Eigen::VectorXd> q =
-        AskedParameters(points[i].q(), assembly, absl::StrCat("points[", i, "].q"));
+        RequestParameters(points[i].q(), assembly, absl::StrCat("points[", i, "].q"));
     if (q.ok()) {
       asked.push_back(*std::move(q));
       continue;

@@ -1,4 +1,5 @@
-// What an answer about a template's design has besides the design: its faults; or what it lacks.
+// Completes the reply about a template's design: adds its faults, or takes out what was not asked
+// for.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +16,7 @@ namespace mortise::catalog {
 absl::Status AddFaults(const templates::Template& function, const Eigen::VectorXd& q,
                        v1::EvaluatedDesign& design);
 
-// Takes away the vertices and triangles of parts that are no prisms.
+// Takes out the vertices and triangles of parts that are no prisms.
 void DropTriangles(v1::EvaluatedDesign& design);
 
 }  // namespace mortise::catalog

@@ -1,4 +1,4 @@
-#include "services/catalog/service/design_answer.h"
+#include "services/catalog/service/evaluated_design_reply.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "services/simulator/service/lent_tasks.h"
+#include "services/simulator/service/leased_task_cache.h"
 
 #include <cstddef>
 #include <utility>
@@ -19,24 +19,24 @@ void PutInto(SingleFlightCache<std::shared_ptr<const Value>>& cache, const std::
 
 }  // namespace
 
-std::shared_ptr<const v1::Evaluator> LentTasks::FindEvaluator(const std::string& digest) {
+std::shared_ptr<const v1::Evaluator> LeasedTaskCache::FindEvaluator(const std::string& digest) {
   return evaluators_.Find(digest).value_or(nullptr);
 }
 
-std::shared_ptr<const v1::Evaluator> LentTasks::PutEvaluator(const std::string& digest,
-                                                             v1::Evaluator evaluator) {
+std::shared_ptr<const v1::Evaluator> LeasedTaskCache::PutEvaluator(const std::string& digest,
+                                                                   v1::Evaluator evaluator) {
   const auto kept = std::make_shared<const v1::Evaluator>(std::move(evaluator));
   PutInto(evaluators_, digest, kept, kept->SpaceUsedLong());
   return kept;
 }
 
-std::shared_ptr<const LentTask> LentTasks::Find(const std::string& key) {
+std::shared_ptr<const LeasedTask> LeasedTaskCache::Find(const std::string& key) {
   return tasks_.Find(key).value_or(nullptr);
 }
 
-void LentTasks::Put(const std::string& key, LentTask lent) {
-  const auto kept = std::make_shared<const LentTask>(std::move(lent));
-  PutInto(tasks_, key, kept, sizeof(LentTask) + kept->task.SpaceUsedLong());
+void LeasedTaskCache::Put(const std::string& key, LeasedTask leased) {
+  const auto kept = std::make_shared<const LeasedTask>(std::move(leased));
+  PutInto(tasks_, key, kept, sizeof(LeasedTask) + kept->task.SpaceUsedLong());
 }
 
 }  // namespace mortise::simulator

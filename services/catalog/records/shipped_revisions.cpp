@@ -1,5 +1,5 @@
-// Marks as records, and the decision that follows from them.
-#include "services/catalog/records/shipped_marks.h"
+// What was shipped, as records, and the decision that follows from them.
+#include "services/catalog/records/shipped_revisions.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -12,8 +12,8 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr const char* kMarks = "shipped";
-constexpr const char* kCollection = "collection";  // the mark of all of it; names have a slash
+constexpr const char* kShipped = "shipped";
+constexpr const char* kCollection = "collection";  // of all of it; names have a slash
 constexpr int kPage = 1000;
 
 bool HasInteger(const nlohmann::json& json, const char* field) {
@@ -21,33 +21,33 @@ bool HasInteger(const nlohmann::json& json, const char* field) {
 }
 
 absl::Status Unreadable(const std::string& name) {
-  return StorageFailed(absl::StrCat(kMarks, "/", name), "the record cannot be read");
+  return StorageFailed(absl::StrCat(kShipped, "/", name), "the record cannot be read");
 }
 
 }  // namespace
 
-bool IsAsShipped(const std::optional<ShippedMark>& mark,
+bool IsAsShipped(const std::optional<ShippedRevision>& shipped,
                  const std::optional<PresentRevision>& present) {
-  return mark && present && mark->revision == present->revision &&
-         mark->created_at == present->created_at;
+  return shipped && present && shipped->revision == present->revision &&
+         shipped->created_at == present->created_at;
 }
 
 absl::StatusOr<Delivery> DecideDelivery(const DeliveryQuestion& question) {
-  const auto& [digest, mark, present, filled_at, is_newer] = question;
-  const bool failed = mark && mark->failed;
-  if (mark && mark->digest == digest && !(failed && is_newer)) return Delivery::kNone;
+  const auto& [digest, shipped, present, filled_at, is_newer] = question;
+  const bool failed = shipped && shipped->failed;
+  if (shipped && shipped->digest == digest && !(failed && is_newer)) return Delivery::kNone;
   if (!present) {
-    const bool never_came = !mark || (failed && mark->revision == 0);
+    const bool never_came = !shipped || (failed && shipped->revision == 0);
     return never_came ? Delivery::kCreate : Delivery::kNone;
   }
-  if (mark) return IsAsShipped(mark, present) ? Delivery::kUpdate : Delivery::kKeepOwn;
+  if (shipped) return IsAsShipped(shipped, present) ? Delivery::kUpdate : Delivery::kKeepOwn;
   MORTISE_ASSIGN_OR_RETURN(const absl::Time filled, filled_at());
   const bool as_filled = present->revision == 1 && present->created_at == filled;
   return as_filled ? Delivery::kUpdate : Delivery::kKeepOwn;
 }
 
 absl::StatusOr<int64_t> GetCollectionNumber(store::ReadTransaction& transaction) {
-  const absl::StatusOr<store::Record> record = transaction.Get(kMarks, kCollection);
+  const absl::StatusOr<store::Record> record = transaction.Get(kShipped, kCollection);
   if (absl::IsNotFound(record.status())) return 0;
   MORTISE_RETURN_IF_ERROR(record.status());
   const auto json = nlohmann::json::parse(record->payload, nullptr, false);
@@ -56,41 +56,42 @@ absl::StatusOr<int64_t> GetCollectionNumber(store::ReadTransaction& transaction)
 }
 
 absl::Status PutCollectionNumber(store::Transaction& transaction, int64_t number) {
-  return transaction.Put(kMarks, kCollection, nlohmann::json{{"number", number}}.dump()).status();
+  return transaction.Put(kShipped, kCollection, nlohmann::json{{"number", number}}.dump()).status();
 }
 
-absl::StatusOr<std::optional<ShippedMark>> GetMark(store::ReadTransaction& transaction,
-                                                   const std::string& name) {
-  const absl::StatusOr<store::Record> record = transaction.Get(kMarks, name);
-  if (absl::IsNotFound(record.status())) return std::optional<ShippedMark>();
+absl::StatusOr<std::optional<ShippedRevision>> GetShippedRevision(
+    store::ReadTransaction& transaction, const std::string& name) {
+  const absl::StatusOr<store::Record> record = transaction.Get(kShipped, name);
+  if (absl::IsNotFound(record.status())) return std::optional<ShippedRevision>();
   MORTISE_RETURN_IF_ERROR(record.status());
   const auto json = nlohmann::json::parse(record->payload, nullptr, false);
   if (!HasInteger(json, "revision") || !HasInteger(json, "created_at") ||
       !json.contains("digest") || !json["digest"].is_string()) {
     return Unreadable(name);
   }
-  return std::optional<ShippedMark>(
-      ShippedMark{.digest = json["digest"].get<std::string>(),
-                  .revision = json["revision"].get<int64_t>(),
-                  .created_at = absl::FromUnixMicros(json["created_at"].get<int64_t>()),
-                  .failed = json.contains("failed")});
+  return std::optional<ShippedRevision>(
+      ShippedRevision{.digest = json["digest"].get<std::string>(),
+                      .revision = json["revision"].get<int64_t>(),
+                      .created_at = absl::FromUnixMicros(json["created_at"].get<int64_t>()),
+                      .failed = json.contains("failed")});
 }
 
-absl::Status PutMark(store::Transaction& transaction, const std::string& name,
-                     const ShippedMark& mark) {
-  nlohmann::json json = {{"digest", mark.digest},
-                         {"revision", mark.revision},
-                         {"created_at", absl::ToUnixMicros(mark.created_at)}};
-  if (mark.failed) json["failed"] = true;
-  return transaction.Put(kMarks, name, json.dump()).status();
+absl::Status PutShippedRevision(store::Transaction& transaction, const std::string& name,
+                                const ShippedRevision& shipped) {
+  nlohmann::json json = {{"digest", shipped.digest},
+                         {"revision", shipped.revision},
+                         {"created_at", absl::ToUnixMicros(shipped.created_at)}};
+  if (shipped.failed) json["failed"] = true;
+  return transaction.Put(kShipped, name, json.dump()).status();
 }
 
-absl::Status MoveMark(store::Transaction& transaction, const std::string& name, int64_t from,
-                      int64_t to) {
-  MORTISE_ASSIGN_OR_RETURN(std::optional<ShippedMark> mark, GetMark(transaction, name));
-  if (!mark || mark->revision != from) return absl::OkStatus();
-  mark->revision = to;
-  return PutMark(transaction, name, *mark);
+absl::Status MoveShippedRevision(store::Transaction& transaction, const std::string& name,
+                                 int64_t from, int64_t to) {
+  MORTISE_ASSIGN_OR_RETURN(std::optional<ShippedRevision> shipped,
+                           GetShippedRevision(transaction, name));
+  if (!shipped || shipped->revision != from) return absl::OkStatus();
+  shipped->revision = to;
+  return PutShippedRevision(transaction, name, *shipped);
 }
 
 absl::StatusOr<std::optional<PresentRevision>> FindPresent(store::ReadTransaction& transaction,

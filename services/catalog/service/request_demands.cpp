@@ -1,4 +1,4 @@
-#include "services/catalog/service/demand_check.h"
+#include "services/catalog/service/request_demands.h"
 
 #include <algorithm>
 #include <cmath>
