@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/filter_options.h"
 #include "cli/client/requests.h"
 #include "common/base/errors.h"
@@ -60,15 +60,6 @@ absl::StatusOr<int> ParseWord(const google::protobuf::EnumDescriptor& words,
     absl::StrAppend(&names, i == 1 ? "" : ", ", words.value(i)->name());
   }
   return InvalidField(field, absl::StrCat("'", text, "' is none of ", names));
-}
-
-FieldSources SourcesOf(const ListOptions& options) {
-  FieldSources sources;
-  for (const char* field : {"kind", "material", "elasticity", "item", "text"}) {
-    sources.Add(field, absl::StrCat("--", field));
-  }
-  AddSources(options.filter, sources);
-  return sources;
 }
 
 // "BOLT, 0.31 EUR", or "0.31 EUR (example)" where the price is one.
@@ -193,28 +184,27 @@ absl::Status List(const ListOptions& options, Session& session, Output& output) 
 }  // namespace
 
 void AddCatalogList(CLI::App& catalog, Session& session) {
-  auto filter = std::make_shared<ListOptions>();
-  CLI::App* list = catalog.add_subcommand("list", "List templates, items or materials");
-  list->add_option("what", filter->what,
-                   "templates (also if nothing is said), items (also with a filter) or materials")
+  auto options = std::make_shared<ListOptions>();
+  CommandFlags flags(*catalog.add_subcommand("list", "List templates, items or materials"));
+  flags
+      .Add("what", options->what,
+           "templates (also if nothing is said), items (also with a filter) or materials")
       ->check(CLI::IsMember({"templates", "items", "materials"}));
-  list->add_option(
-      "--kind", filter->kind,
-      "Only items of this kind, such as bolt, or templates: parts, assembly, cad, cage");
-  list->add_option("--material", filter->material, "Only items of this material, such as steel");
-  list->add_option("--elasticity", filter->elasticity,
-                   "Only materials that are isotropic, or orthotropic as wood");
-  list->add_option("--item", filter->item, "Only templates that use this item");
-  list->add_option("--text", filter->text,
-                   "Only those with these words in id or title, of items also standard or "
-                   "designation, of templates also description");
-  AddFilterOptions(*list, filter->filter);
-  list->footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
-  list->callback([&session, filter] {
-    session.command = [filter](Session& s, Output& o) {
-      return SourcesOf(*filter).Name(List(*filter, s, o));
-    };
-  });
+  flags.Add("--kind", options->kind,
+            "Only items of this kind, such as bolt, or templates: parts, assembly, cad, cage",
+            "kind");
+  flags.Add("--material", options->material, "Only items of this material, such as steel",
+            "material");
+  flags.Add("--elasticity", options->elasticity,
+            "Only materials that are isotropic, or orthotropic as wood", "elasticity");
+  flags.Add("--item", options->item, "Only templates that use this item", "item");
+  flags.Add("--text", options->text,
+            "Only those with these words in id or title, of items also standard or designation, "
+            "of templates also description",
+            "text");
+  AddFilterOptions(flags, options->filter);
+  flags.command().footer("Example: mortise catalog list --kind nut --text \"ISO 4032\"");
+  flags.Run(session, [options](Session& s, Output& o) { return List(*options, s, o); });
 }
 
 }  // namespace mortise::cli

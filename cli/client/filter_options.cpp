@@ -95,17 +95,21 @@ absl::Status AddLabel(const std::string& text, v1::ResourceFilter& filter) {
 
 }  // namespace
 
-void AddFilterOptions(CLI::App& command, FilterOptions& options) {
-  command.add_option("--external-id", options.external_id,
-                     "Only those that another system knows by this, letter by letter");
-  command
-      .add_option("--label", options.labels,
-                  "Only those with this label: KEY=VALUE, or KEY with any value; again for more")
+void AddFilterOptions(CommandFlags& flags, FilterOptions& options) {
+  flags.Add("--external-id", options.external_id,
+            "Only those that another system knows by this, letter by letter", "filter.external_id");
+  flags
+      .Add("--label", options.labels,
+           "Only those with this label: KEY=VALUE, or KEY with any value; again for more")
       ->allow_extra_args(false);
-  command.add_option("--creator", options.creator, "Only those that this user made, such as ada");
-  command.add_option("--since", options.since,
-                     "Only those made since then: 2026-11-26, 2026-11-26T20:25, or 2h, 7d ago");
-  command.add_option("--before", options.before, "Only those made before then, likewise");
+  flags.AlsoGives("--label", "filter.labels");  // by key, not by number
+  flags.Add("--creator", options.creator, "Only those that this user made, such as ada",
+            "filter.creator");
+  flags.Add("--since", options.since,
+            "Only those made since then: 2026-11-26, 2026-11-26T20:25, or 2h, 7d ago",
+            "filter.created_from");
+  flags.Add("--before", options.before, "Only those made before then, likewise",
+            "filter.created_before");
 }
 
 absl::StatusOr<absl::Time> ParseTime(const std::string& text, const std::string& field,
@@ -149,14 +153,6 @@ absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options, abs
 
 absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options) {
   return ParseFilter(options, absl::Now(), absl::LocalTimeZone());
-}
-
-void AddSources(const FilterOptions&, FieldSources& sources) {
-  sources.Add("filter.external_id", "--external-id");
-  sources.Add("filter.labels", "--label");
-  sources.Add("filter.creator", "--creator");
-  sources.Add("filter.created_from", "--since");
-  sources.Add("filter.created_before", "--before");
 }
 
 }  // namespace mortise::cli

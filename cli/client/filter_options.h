@@ -7,12 +7,8 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "mortise/v1/types.pb.h"
-
-namespace CLI {
-class App;
-}
 
 namespace mortise::cli {
 
@@ -25,8 +21,9 @@ struct FilterOptions {
   std::string before = {};
 };
 
-// Adds the flags to a command: --external-id, --label, --creator, --since and --before.
-void AddFilterOptions(CLI::App& command, FilterOptions& options);
+// Declares the flags of a command that lists: --external-id, --label, --creator, --since and
+// --before.
+void AddFilterOptions(CommandFlags& flags, FilterOptions& options);
 
 // The time that a person means by a text:
 // - "2026-11-26", "2026-11-26T20:25", "2026-11-26T20:25:30.5", with "Z" or "+01:00" behind it or
@@ -43,8 +40,5 @@ absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options, abs
 
 // The same at this moment, with times in the zone of this machine.
 absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options);
-
-// The fields of a list's request that the flags give.
-void AddSources(const FilterOptions& options, FieldSources& sources);
 
 }  // namespace mortise::cli

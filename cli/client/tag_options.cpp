@@ -1,22 +1,21 @@
 #include "cli/client/tag_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 
 namespace mortise::cli {
 
-void AddTagOptions(CLI::App& command, TagOptions& options) {
+void AddTagOptions(CommandFlags& flags, TagOptions& options) {
   // Each flag takes one text: whatever follows it is another argument.
-  command
-      .add_option("--external-id", options.external_ids,
-                  "What another system knows it by, such as 100-4711/A; again for more")
+  flags
+      .Add("--external-id", options.external_ids,
+           "What another system knows it by, such as 100-4711/A; again for more", "external_ids")
       ->allow_extra_args(false);
-  command
-      .add_option("--label", options.labels,
-                  "KEY=VALUE to find it by, such as customer=acme; again for more")
+  flags
+      .Add("--label", options.labels,
+           "KEY=VALUE to find it by, such as customer=acme; again for more")
       ->allow_extra_args(false);
+  flags.AlsoGives("--label", "labels");  // by key, not by number
 }
 
 absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
@@ -33,11 +32,6 @@ absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
     }
   }
   return labels;
-}
-
-void AddSources(const TagOptions& options, FieldSources& sources) {
-  sources.AddEach("external_ids", "--external-id", options.external_ids);
-  sources.Add("labels", "--label");
 }
 
 }  // namespace mortise::cli

@@ -7,11 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "cli/client/field_sources.h"
-
-namespace CLI {
-class App;
-}
+#include "cli/client/command_flags.h"
 
 namespace mortise::cli {
 
@@ -23,8 +19,8 @@ struct TagOptions {
   bool empty() const { return external_ids.empty() && labels.empty(); }
 };
 
-// Adds both flags to a command.
-void AddTagOptions(CLI::App& command, TagOptions& options);
+// Declares both flags of a command that makes something.
+void AddTagOptions(CommandFlags& flags, TagOptions& options);
 
 // "KEY=VALUE" each, as a map; values may be empty. INVALID_ARGUMENT naming `flag`: another form, a
 // key that is there twice.
@@ -40,8 +36,5 @@ absl::Status AddTags(const TagOptions& options, Request* request) {
   request->mutable_labels()->insert(labels->begin(), labels->end());
   return absl::OkStatus();
 }
-
-// The fields of the request that the flags give.
-void AddSources(const TagOptions& options, FieldSources& sources);
 
 }  // namespace mortise::cli

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
@@ -50,23 +50,6 @@ struct AnalyzeOptions {
 v1::SolverKind SolverOf(const AnalyzeOptions& options) {
   if (options.solver.empty()) return v1::SOLVER_KIND_UNSPECIFIED;
   return options.solver == "direct" ? v1::DIRECT : v1::ITERATIVE;
-}
-
-FieldSources SourcesOf(const AnalyzeOptions& options) {
-  FieldSources sources;
-  sources.AddEach("parameters", "--set", options.parameters);
-  sources.Add("mesh.element_size", "--element-size");
-  sources.Add("mesh.relative_error", "--relative-error");
-  sources.AddEach("metrics", "--metric", options.metrics);
-  AddSources(options.own, "metric_definitions", sources);
-  sources.Add("difference_step", "--difference-step");
-  sources.Add("modes", "--modes");
-  sources.Add("airflow.wind", "--wind");
-  sources.Add("airflow.cells", "--air-cells");
-  AddSources(options.tags, sources);
-  // The evaluator speaks of points in the template's order, not of names.
-  sources.Add("points[0].parameters", "--set");
-  return sources;
 }
 
 absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesystem::path& out,
@@ -255,65 +238,71 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   return absl::OkStatus();
 }
 
+// Declares how a design or a mesh is solved, and where files go.
+void AddSolvingFlags(CommandFlags& flags, AnalyzeOptions& options) {
+  flags.Add("--element-size", options.element_size, "Edge length of the tetrahedra",
+            "mesh.element_size");
+  flags.Add("--relative-error", options.relative_error,
+            "Refine until the estimated error is at most this, such as 0.05",
+            "mesh.relative_error");
+  flags.Add("--modes", options.modes, "How many natural frequencies besides, up to 100", "modes");
+  flags
+      .Add("--solver", options.solver,
+           "How load cases are solved: direct, by one factor for all, or iterative; by default "
+           "whichever should be sooner")
+      ->check(CLI::IsMember({"direct", "iterative"}));
+  flags.Add("--wind", options.wind,
+            "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" (m/s), "
+            "such as \"-10, 0, 0\"",
+            "airflow.wind");
+  flags.Add("--air-cells", options.air_cells,
+            "About how many cells of air to compute with, 30000 if not given", "airflow.cells");
+  flags.command().add_flag("--linear", options.linear, "Tetrahedra of 4 nodes instead of 10");
+  flags.Add("--mesh", options.mesh,
+            "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
+  flags.Add("--out", options.out, "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
+}
+
 }  // namespace
 
 void AddAnalyzeCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<AnalyzeOptions>();
-  CLI::App* analyze = app.add_subcommand("analyze", "Check a design or a mesh by finite elements");
-  analyze
-      ->add_option("template", options->subject,
-                   "Template, such as table; with --mesh the file of a case, such as bar.json")
+  CommandFlags flags(*app.add_subcommand("analyze", "Check a design or a mesh by finite elements"));
+  flags
+      .Add("template", options->subject,
+           "Template, such as table; with --mesh the file of a case, such as bar.json")
       ->required();
-  analyze->add_option("--set", options->parameters,
-                      "NAME=VALUE, such as length=1500mm (metres without unit)");
-  analyze->add_option("--metric", options->metrics,
-                      "Only this, such as mass, cost, draught or max_displacement; again for more");
-  analyze->add_option("--define", options->own.define,
-                      "A metric of your own, \"NAME [UNIT] = EXPRESSION\"; only those and --metric "
-                      "are computed");
-  analyze->add_option("--point", options->own.point,
-                      "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
-  analyze->add_flag("--gradients", options->gradients,
-                    "With --metric or --define: how they change with each parameter");
-  analyze
-      ->add_option("--difference-step", options->difference_step,
-                   "Of gradients that are not exact, as a share of the parameters' ranges; 0 for "
-                   "exact ones only")
+  flags.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm (metres without unit)",
+            "parameters");
+  // The evaluator speaks of points in the template's order, not of names.
+  flags.AlsoGives("--set", "points[0].parameters");
+  flags.Add("--metric", options->metrics,
+            "Only this, such as mass, cost, draught or max_displacement; again for more",
+            "metrics");
+  AddMetricDefinitionFlags(flags, options->own, "; only those and --metric are computed");
+  flags.command().add_flag("--gradients", options->gradients,
+                           "With --metric or --define: how they change with each parameter");
+  flags
+      .Add("--difference-step", options->difference_step,
+           "Of gradients that are not exact, as a share of the parameters' ranges; 0 for exact "
+           "ones only",
+           "difference_step")
       ->capture_default_str();
-  analyze->add_option("--element-size", options->element_size, "Edge length of the tetrahedra");
-  analyze->add_option("--relative-error", options->relative_error,
-                      "Refine until the estimated error is at most this, such as 0.05");
-  analyze->add_option("--modes", options->modes, "How many natural frequencies besides, up to 100");
-  analyze
-      ->add_option("--solver", options->solver,
-                   "How load cases are solved: direct, by one factor for all, or iterative; by "
-                   "default whichever should be sooner")
-      ->check(CLI::IsMember({"direct", "iterative"}));
-  analyze->add_option("--wind", options->wind,
-                      "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
-                      "(m/s), such as \"-10, 0, 0\"");
-  analyze->add_option("--air-cells", options->air_cells,
-                      "About how many cells of air to compute with, 30000 if not given");
-  analyze->add_flag("--linear", options->linear, "Tetrahedra of 4 nodes instead of 10");
-  analyze->add_option("--mesh", options->mesh,
-                      "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
-  analyze->add_option("--out", options->out,
-                      "Folder for pictures (PNG), fields (VTU) and probes (CSV)");
-  AddTagOptions(*analyze, options->tags);
-  AddDetach(*analyze, options->detach)
+  AddSolvingFlags(flags, *options);
+  AddTagOptions(flags, options->tags);
+  AddDetach(flags.command(), options->detach)
       ->excludes("--out")
       ->excludes("--metric")
       ->excludes("--define");
-  analyze->footer(
+  flags.command().footer(
       "Example: mortise analyze table --set length=1500mm --out out/table\n"
       "Example: mortise analyze table --metric mass --metric max_displacement --gradients\n"
       "Example: mortise analyze boat --metric draught --metric metacentric_height\n"
       "Example: mortise analyze collection/meshes/bracket.json --mesh "
       "collection/meshes/bracket.msh --out out/bracket");
-  analyze->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) {
-      return SourcesOf(*options).Name(Analyze(*options, s, output));
-    };
+  flags.Run(session, [options](FieldSources& sources, Session& s, Output& o) {
+    AddSources(options->own, "metric_definitions", sources);
+    return Analyze(*options, s, o);
   });
 }
 

@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/filter_options.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
@@ -42,14 +42,6 @@ struct ListOptions {
   std::string text;
   FilterOptions filter;
 };
-
-FieldSources SourcesOf(const ListOptions& options) {
-  FieldSources sources;
-  sources.Add("item", "--item");
-  sources.Add("text", "--text");
-  AddSources(options.filter, sources);
-  return sources;
-}
 
 struct SampleOptions {
   std::string subject;
@@ -260,14 +252,6 @@ absl::Status Adjust(const AdjustOptions& options, Session& session, Output& outp
   return options.strict ? FaultsToStatus(design.assembly(), design.faults()) : absl::OkStatus();
 }
 
-FieldSources SourcesOf(const AdjustOptions& options) {
-  FieldSources sources;
-  sources.Add("name", "assembly");
-  sources.Add("q", options.from.empty() ? "assembly" : "--from");
-  sources.AddEach("demands", "--set", options.demands);
-  return sources;
-}
-
 // Of the box around all parts, m.
 std::array<double, 3> OverallSize(const v1::AdjustedAssembly& design) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -315,18 +299,14 @@ absl::Status Sample(const SampleOptions& options, Session& session, Output& outp
 }
 
 void AddList(CLI::App& assembly, Session& session) {
-  CLI::App* list = assembly.add_subcommand("list", "List the assemblies");
   auto options = std::make_shared<ListOptions>();
-  list->add_option("--item", options->item, "Only those that use this item");
-  list->add_option("--text", options->text,
-                   "Only those with these words in id, title or description");
-  AddFilterOptions(*list, options->filter);
-  list->footer("Example: mortise assembly list --text table");
-  list->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(List(*options, s, o));
-    };
-  });
+  CommandFlags flags(*assembly.add_subcommand("list", "List the assemblies"));
+  flags.Add("--item", options->item, "Only those that use this item", "item");
+  flags.Add("--text", options->text, "Only those with these words in id, title or description",
+            "text");
+  AddFilterOptions(flags, options->filter);
+  flags.command().footer("Example: mortise assembly list --text table");
+  flags.Run(session, [options](Session& s, Output& o) { return List(*options, s, o); });
 }
 
 }  // namespace
@@ -342,54 +322,44 @@ void AddAssemblyCommands(CLI::App& app, Session& session) {
   AddList(*assembly, session);
 
   auto name = std::make_shared<std::string>();
-  CLI::App* show = assembly->add_subcommand("show", "What of an assembly can be changed, how far");
-  show->add_option("assembly", *name, "Such as bookshelf")->required();
-  show->footer("Example: mortise assembly show bookshelf");
-  show->callback([&session, name] {
-    session.command = [name](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("name", "assembly");
-      return sources.Name(Show(*name, s, o));
-    };
-  });
+  CommandFlags show(
+      *assembly->add_subcommand("show", "What of an assembly can be changed, how far"));
+  show.Add("assembly", *name, "Such as bookshelf", "name")->required();
+  show.command().footer("Example: mortise assembly show bookshelf");
+  show.Run(session, [name](Session& s, Output& o) { return Show(*name, s, o); });
 
   auto adjust_options = std::make_shared<AdjustOptions>();
-  CLI::App* adjust =
-      assembly->add_subcommand("adjust", "The design nearest to one that meets what is asked for");
-  adjust->add_option("assembly", adjust_options->subject, "Such as bookshelf")->required();
-  adjust->add_option("--set", adjust_options->demands,
-                     "ELEMENT.x=VALUE, or y, or z: a size; ELEMENT.z.maximum=VALUE, or minimum, or "
-                     "center: a place");
-  adjust->add_option("--from", adjust_options->from,
-                     "Start at a design that 'assembly adjust --json' printed");
-  adjust->add_flag("--strict", adjust_options->strict,
-                   "Refuse what cannot be met instead of coming near; fail if the design has "
-                   "faults");
-  adjust->add_option("--step", adjust_options->step, "Also write a STEP file");
-  adjust->add_option("--glb", adjust_options->glb, "Also write a GLB file");
-  adjust->footer("Example: mortise assembly adjust bookshelf --set side.z=1.5 --glb shelf.glb");
-  adjust->callback([&session, adjust_options] {
-    session.command = [adjust_options](Session& s, Output& o) {
-      return SourcesOf(*adjust_options).Name(Adjust(*adjust_options, s, o));
-    };
+  CommandFlags adjust(*assembly->add_subcommand(
+      "adjust", "The design nearest to one that meets what is asked for"));
+  adjust.Add("assembly", adjust_options->subject, "Such as bookshelf", "name")->required();
+  adjust.Add("--set", adjust_options->demands,
+             "ELEMENT.x=VALUE, or y, or z: a size; ELEMENT.z.maximum=VALUE, or minimum, or center: "
+             "a place",
+             "demands");
+  adjust.Add("--from", adjust_options->from,
+             "Start at a design that 'assembly adjust --json' printed");
+  adjust.command().add_flag(
+      "--strict", adjust_options->strict,
+      "Refuse what cannot be met instead of coming near; fail if the design has faults");
+  adjust.Add("--step", adjust_options->step, "Also write a STEP file");
+  adjust.Add("--glb", adjust_options->glb, "Also write a GLB file");
+  adjust.command().footer(
+      "Example: mortise assembly adjust bookshelf --set side.z=1.5 --glb shelf.glb");
+  adjust.Run(session, [adjust_options](FieldSources& sources, Session& s, Output& o) {
+    sources.Add("q", adjust_options->from.empty() ? "assembly" : "--from");
+    return Adjust(*adjust_options, s, o);
   });
 
   auto sample_options = std::make_shared<SampleOptions>();
-  CLI::App* sample = assembly->add_subcommand("sample", "Designs spread over all it can be");
-  sample->add_option("assembly", sample_options->subject, "Such as bookshelf")->required();
-  sample->add_option("--count", sample_options->count, "How many, 1 to 1000")
+  CommandFlags sample(*assembly->add_subcommand("sample", "Designs spread over all it can be"));
+  sample.Add("assembly", sample_options->subject, "Such as bookshelf", "name")->required();
+  sample.Add("--count", sample_options->count, "How many, 1 to 1000", "count")
       ->capture_default_str();
-  sample->add_option("--seed", sample_options->seed, "The same seed gives the same designs")
+  sample.Add("--seed", sample_options->seed, "The same seed gives the same designs")
       ->capture_default_str();
-  sample->footer("Example: mortise assembly sample bookshelf --count 5 --seed 7");
-  sample->callback([&session, sample_options] {
-    session.command = [sample_options](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("name", "assembly");
-      sources.Add("count", "--count");
-      return sources.Name(Sample(*sample_options, s, o));
-    };
-  });
+  sample.command().footer("Example: mortise assembly sample bookshelf --count 5 --seed 7");
+  sample.Run(session,
+             [sample_options](Session& s, Output& o) { return Sample(*sample_options, s, o); });
   // Last: commands would inherit it.
   assembly->footer("Example: mortise assembly list");
 }

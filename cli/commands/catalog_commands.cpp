@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/client/catalog_list.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -34,13 +34,6 @@ struct EvaluateOptions {
   bool without_triangles = false;
   bool strict = false;
 };
-
-FieldSources SourcesOf(const EvaluateOptions& options) {
-  FieldSources sources;
-  sources.Add("name", "template");
-  sources.AddEach("parameters", "--set", options.parameters);
-  return sources;
-}
 
 // Numbers as a person reads them; --json has all their digits.
 class ShortNumbers : public google::protobuf::TextFormat::FastFieldValuePrinter {
@@ -187,35 +180,29 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
 
   auto name = std::make_shared<std::string>();
   auto revision = std::make_shared<std::int64_t>(0);
-  CLI::App* show = catalog->add_subcommand("show", "Print a template, item or material");
-  show->add_option("name", *name, "Such as templates/table or items/dowel-8x35")->required();
-  show->add_option("--revision", *revision, "A revision of an item or template; else the latest");
-  show->footer("Example: mortise catalog show items/hex-nut-m8 --revision 1");
-  show->callback([&session, name, revision] {
-    session.command = [name, revision](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("revision", "--revision");
-      return sources.Name(Show(*name, *revision, s, o));
-    };
-  });
+  CommandFlags show(*catalog->add_subcommand("show", "Print a template, item or material"));
+  show.Add("name", *name, "Such as templates/table or items/dowel-8x35")->required();
+  show.Add("--revision", *revision, "A revision of an item or template; else the latest",
+           "revision");
+  show.command().footer("Example: mortise catalog show items/hex-nut-m8 --revision 1");
+  show.Run(session,
+           [name, revision](Session& s, Output& o) { return Show(*name, *revision, s, o); });
 
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* evaluate = catalog->add_subcommand("evaluate", "The parts of a template at parameters");
-  evaluate->add_option("template", options->subject, "Template, such as table")->required();
-  evaluate->add_option("--set", options->parameters, "NAME=VALUE, such as length=1500mm");
-  evaluate->add_option("--step", options->step, "Also write a STEP file");
-  evaluate->add_option("--glb", options->glb, "Also write a GLB file");
-  evaluate->add_flag("--without-triangles", options->without_triangles,
-                     "With --json: leave out triangles, which may not fit into a message");
-  evaluate->add_flag(
+  CommandFlags evaluate(
+      *catalog->add_subcommand("evaluate", "The parts of a template at parameters"));
+  evaluate.Add("template", options->subject, "Template, such as table", "name")->required();
+  evaluate.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm", "parameters");
+  evaluate.Add("--step", options->step, "Also write a STEP file");
+  evaluate.Add("--glb", options->glb, "Also write a GLB file");
+  evaluate.command().add_flag("--without-triangles", options->without_triangles,
+                              "With --json: leave out triangles, which may not fit into a message");
+  evaluate.command().add_flag(
       "--strict", options->strict,
       "Fail if the design of an assembly has faults: contacts lost, parts in each other");
-  evaluate->footer("Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
-  evaluate->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(Evaluate(*options, s, o));
-    };
-  });
+  evaluate.command().footer(
+      "Example: mortise catalog evaluate table --set length=1500mm --glb table.glb");
+  evaluate.Run(session, [options](Session& s, Output& o) { return Evaluate(*options, s, o); });
   auto shape = std::make_shared<std::filesystem::path>();
   CLI::App* add_shape = catalog->add_subcommand("shape", "Add the shape in a file to the catalog");
   add_shape->add_option("file", *shape, "STEP with one solid, or STL in millimetres")->required();

@@ -11,7 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "common/base/identifiers.h"
 #include "common/rpc/status_mapping.h"
@@ -92,18 +92,12 @@ template <typename Run>
 void AddDelete(CLI::App& group, const std::string& what, const std::string& subject,
                const std::string& example, Session& session, Run run) {
   const auto options = std::make_shared<DeleteOptions>();
-  CLI::App* command = group.add_subcommand("delete", "Remove " + what + " that nothing uses");
-  command->add_option("name", options->subject, subject)->required();
-  command->add_option("--revision", options->revision,
-                      "Only if this is its latest revision; else whichever is");
-  command->footer("Example: " + example);
-  command->callback([&session, options, run] {
-    session.command = [options, run](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("revision", "--revision");
-      return sources.Name(run(*options, s, o));
-    };
-  });
+  CommandFlags flags(*group.add_subcommand("delete", "Remove " + what + " that nothing uses"));
+  flags.Add("name", options->subject, subject)->required();
+  flags.Add("--revision", options->revision,
+            "Only if this is its latest revision; else whichever is", "revision");
+  flags.command().footer("Example: " + example);
+  flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });
 }
 
 }  // namespace

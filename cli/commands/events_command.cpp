@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
 #include "common/base/errors.h"
@@ -111,23 +111,17 @@ absl::Status Events(const EventsOptions& options, Session& session, Output& outp
 
 void AddEventsCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<EventsOptions>();
-  CLI::App* events = app.add_subcommand("events", "What happened, in order, and what happens now");
-  events->add_flag("--follow", options->follow, "Go on with what happens from now on");
-  events->add_option("--since", options->since, "Begin after this number in each stream")
+  CommandFlags flags(
+      *app.add_subcommand("events", "What happened, in order, and what happens now"));
+  flags.command().add_flag("--follow", options->follow, "Go on with what happens from now on");
+  flags.Add("--since", options->since, "Begin after this number in each stream", "after_number")
       ->capture_default_str();
-  events->add_option("--limit", options->limit, "With --follow: end after so many events");
-  events->add_option("--stream", options->streams, "Only these streams");
-  events->add_option("--type", options->types, "Only types that begin with one of these");
-  events->footer("Example: mortise events --follow --since 0 --type cut.");
-  events->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) {
-      FieldSources sources;
-      sources.Add("after_number", "--since");
-      sources.AddEach("type_prefixes", "--type", options->types);
-      sources.Add("stream", "--stream");
-      return sources.Name(Events(*options, s, output));
-    };
-  });
+  flags.Add("--limit", options->limit, "With --follow: end after so many events");
+  flags.Add("--stream", options->streams, "Only these streams");
+  flags.AlsoGives("--stream", "stream");  // one call for each
+  flags.Add("--type", options->types, "Only types that begin with one of these", "type_prefixes");
+  flags.command().footer("Example: mortise events --follow --since 0 --type cut.");
+  flags.Run(session, [options](Session& s, Output& o) { return Events(*options, s, o); });
 }
 
 }  // namespace mortise::cli

@@ -7,7 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
@@ -76,13 +76,6 @@ struct ReleaseOptions {
   TagOptions tags;
   bool detach = false;
 };
-
-FieldSources SourcesOf(const ReleaseOptions& options) {
-  FieldSources sources;
-  sources.Add("plan", "plan");
-  AddSources(options.tags, sources);
-  return sources;
-}
 
 absl::Status Release(const ReleaseOptions& options, Session& session, Output& output) {
   v1::ReleaseWorkOrderRequest request;
@@ -237,18 +230,14 @@ void AddResume(CLI::App& fab, Session& session) {
 
 void AddRelease(CLI::App& fab, Session& session) {
   auto options = std::make_shared<ReleaseOptions>();
-  CLI::App* release = fab.add_subcommand("release", "Give a plan to the machines and follow it");
-  release->add_option("plan", options->plan, "Plan, such as plans/0198c1")->required();
-  AddTagOptions(*release, options->tags);
-  AddDetach(*release, options->detach);
-  release->footer(
+  CommandFlags flags(*fab.add_subcommand("release", "Give a plan to the machines and follow it"));
+  flags.Add("plan", options->plan, "Plan, such as plans/0198c1", "plan")->required();
+  AddTagOptions(flags, options->tags);
+  AddDetach(flags.command(), options->detach);
+  flags.command().footer(
       "Example: mortise fab release plans/0198c1\n"
       "Ctrl-C leaves the machines cutting; `mortise fab hold` pauses them");
-  release->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(Release(*options, s, o));
-    };
-  });
+  flags.Run(session, [options](Session& s, Output& o) { return Release(*options, s, o); });
 }
 
 }  // namespace

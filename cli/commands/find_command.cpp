@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/resource_access.h"
 #include "cli/client/resource_table.h"
 #include "cli/commands/commands.h"
@@ -48,17 +48,11 @@ absl::Status Find(const std::string& external_id, Session& session, Output& outp
 
 void AddFindCommand(CLI::App& app, Session& session) {
   auto text = std::make_shared<std::string>();
-  CLI::App* find = app.add_subcommand("find", "Whatever has an external id, of every kind");
-  find->add_option("text", *text, "The external id, letter by letter, such as 100-4711/A")
-      ->required();
-  find->footer("Example: mortise find 100-4711/A");
-  find->callback([&session, text] {
-    session.command = [text](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("filter.external_id", "external id");
-      return sources.Name(Find(*text, s, o));
-    };
-  });
+  CommandFlags flags(*app.add_subcommand("find", "Whatever has an external id, of every kind"));
+  flags.Add("text", *text, "The external id, letter by letter, such as 100-4711/A")->required();
+  flags.AlsoGives("external id", "filter.external_id");  // as a person calls the text
+  flags.command().footer("Example: mortise find 100-4711/A");
+  flags.Run(session, [text](Session& s, Output& o) { return Find(*text, s, o); });
 }
 
 }  // namespace mortise::cli

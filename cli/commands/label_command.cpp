@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/resource_access.h"
 #include "cli/client/resource_table.h"
 #include "cli/client/tag_changes.h"
@@ -20,13 +20,6 @@ struct LabelOptions {
   std::string name;
   TagChanges changes;
 };
-
-FieldSources SourcesOf(const LabelOptions&) {
-  FieldSources sources;
-  sources.Add("external_ids", "--external-id");
-  sources.Add("labels", "change");
-  return sources;
-}
 
 void Print(const google::protobuf::Message& resource, Output& output) {
   const Tags tags = TagsOf(resource);
@@ -66,27 +59,24 @@ absl::Status Label(const LabelOptions& options, Session& session, Output& output
 
 void AddLabelCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<LabelOptions>();
-  CLI::App* label = app.add_subcommand("label", "External ids and labels of any resource");
-  label->add_option("name", options->name, "Such as fronts/0198c1 or items/board-38x89")
-      ->required();
-  label->add_option("change", options->changes.labels,
-                    "KEY=VALUE sets a label, KEY- takes one away; prints them if there is nothing "
-                    "to change");
-  label
-      ->add_option("--external-id", options->changes.external_ids,
-                   "Adds what another system knows it by; again for more")
+  CommandFlags flags(*app.add_subcommand("label", "External ids and labels of any resource"));
+  flags.Add("name", options->name, "Such as fronts/0198c1 or items/board-38x89")->required();
+  flags.Add("change", options->changes.labels,
+            "KEY=VALUE sets a label, KEY- takes one away; prints them if there is nothing to "
+            "change");
+  flags.AlsoGives("change", "labels");  // together with those that are there
+  flags
+      .Add("--external-id", options->changes.external_ids,
+           "Adds what another system knows it by; again for more")
       ->allow_extra_args(false);
-  label
-      ->add_option("--no-external-id", options->changes.removed_external_ids,
-                   "Takes one away; again for more")
+  flags.AlsoGives("--external-id", "external_ids");  // together with those that are there
+  flags
+      .Add("--no-external-id", options->changes.removed_external_ids,
+           "Takes one away; again for more")
       ->allow_extra_args(false);
-  label->footer(
+  flags.command().footer(
       "Example: mortise label fronts/0198c1 customer=acme draft- --external-id 100-4711/A");
-  label->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(Label(*options, s, o));
-    };
-  });
+  flags.Run(session, [options](Session& s, Output& o) { return Label(*options, s, o); });
 }
 
 }  // namespace mortise::cli

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/filter_options.h"
 #include "cli/client/resource_access.h"
 #include "cli/client/resource_table.h"
@@ -23,14 +23,6 @@ struct ListOptions {
   std::vector<std::string> states;
   int limit = 50;
 };
-
-FieldSources SourcesOf(const ListOptions& options) {
-  FieldSources sources;
-  AddSources(options.filter, sources);
-  sources.Add("subject", "--subject");
-  sources.Add("states", "--state");
-  return sources;
-}
 
 absl::Status List(const ListOptions& options, Session& session, Output& output) {
   const ResourceKind* const kind = FindKind(options.kind);
@@ -61,26 +53,22 @@ absl::Status List(const ListOptions& options, Session& session, Output& output) 
 void AddListOf(CLI::App& list, const std::string& kind, Session& session) {
   auto options = std::make_shared<ListOptions>();
   options->kind = kind;
+  CommandFlags flags(list);
   if (kind.empty()) {
-    list.add_option("kind", options->kind, absl::StrCat("One of ", ResourceKindNames()))
-        ->required();
+    flags.Add("kind", options->kind, absl::StrCat("One of ", ResourceKindNames()))->required();
   }
-  AddFilterOptions(list, options->filter);
-  list.add_option("--subject", options->subject,
-                  "Only those of this, such as templates/table; of work orders plans/…");
-  list.add_option("--state", options->states,
-                  "Only those in this state, such as held; again for more")
+  AddFilterOptions(flags, options->filter);
+  flags.Add("--subject", options->subject,
+            "Only those of this, such as templates/table; of work orders plans/…", "subject");
+  flags.Add("--state", options->states, "Only those in this state, such as held; again for more")
       ->allow_extra_args(false);
-  list.add_option("--limit", options->limit, "At most so many")
+  flags.AlsoGives("--state", "states");
+  flags.Add("--limit", options->limit, "At most so many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   list.footer(kind.empty() ? "Example: mortise list fronts --label customer=acme --since 7d"
                            : "Example: mortise fab list --state in-progress --state held");
-  list.callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(List(*options, s, o));
-    };
-  });
+  flags.Run(session, [options](Session& s, Output& o) { return List(*options, s, o); });
 }
 
 void AddListCommand(CLI::App& app, Session& session) {

@@ -13,7 +13,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/filter_options.h"
 #include "cli/client/long_work.h"
 #include "cli/client/session.h"
@@ -35,16 +35,6 @@ struct ListOptions {
   FilterOptions filter;
   int limit = 50;
 };
-
-FieldSources SourcesOf(const ListOptions& options) {
-  FieldSources sources;
-  sources.Add("states", "--state");
-  sources.Add("service", "--service");
-  sources.Add("kind", "--kind");
-  sources.Add("subject", "--subject");
-  AddSources(options.filter, sources);
-  return sources;
-}
 
 // "simulator/0198c1" to "operations/simulator/0198c1".
 std::string FullName(const std::string& name) {
@@ -228,26 +218,25 @@ absl::Status Cancel(const std::vector<std::string>& names, bool wait, Session& s
 
 void AddList(CLI::App& operations, Session& session) {
   auto options = std::make_shared<ListOptions>();
-  CLI::App* list = operations.add_subcommand("list", "Those there are, newest first");
-  list->add_option("--state", options->states,
-                   "Only pending, running, succeeded, failed or cancelled ones; again for more")
+  CommandFlags flags(*operations.add_subcommand("list", "Those there are, newest first"));
+  flags
+      .Add("--state", options->states,
+           "Only pending, running, succeeded, failed or cancelled ones; again for more")
       ->check(CLI::IsMember({"pending", "running", "succeeded", "failed", "cancelled"}));
-  list->add_flag("--active", options->active, "Only those that are pending or running")
+  flags.AlsoGives("--state", "states");
+  flags.command()
+      .add_flag("--active", options->active, "Only those that are pending or running")
       ->excludes("--state");
-  list->add_option("--service", options->service, "Only this service's, such as simulator");
-  list->add_option("--kind", options->kind, "Only of this kind, such as pareto.discovery");
-  list->add_option("--subject", options->subject,
-                   "Only those that work on this, such as templates/table");
-  AddFilterOptions(*list, options->filter);
-  list->add_option("--limit", options->limit, "At most so many")
+  flags.Add("--service", options->service, "Only this service's, such as simulator", "service");
+  flags.Add("--kind", options->kind, "Only of this kind, such as pareto.discovery", "kind");
+  flags.Add("--subject", options->subject, "Only those that work on this, such as templates/table",
+            "subject");
+  AddFilterOptions(flags, options->filter);
+  flags.Add("--limit", options->limit, "At most so many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  list->footer("Example: mortise operations list --active");
-  list->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      return SourcesOf(*options).Name(List(*options, s, o));
-    };
-  });
+  flags.command().footer("Example: mortise operations list --active");
+  flags.Run(session, [options](Session& s, Output& o) { return List(*options, s, o); });
 }
 
 }  // namespace

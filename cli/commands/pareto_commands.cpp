@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
@@ -331,7 +331,6 @@ absl::Status Run(const RunOptions& options, FieldSources& sources, Session& sess
   v1::DiscoverFrontRequest request;
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_specification(), Specification(options, sources));
-  AddSources(options.tags, sources);
   MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
@@ -353,15 +352,13 @@ void AddParetoCommands(CLI::App& app, Session& session) {
   CLI::App* pareto = app.add_subcommand("pareto", "Trade-offs between metrics");
   pareto->require_subcommand(1);
   auto run_options = std::make_shared<RunOptions>();
-  CLI::App* run = pareto->add_subcommand("run", "Discover the front of a template");
+  CommandFlags flags(*pareto->add_subcommand("run", "Discover the front of a template"));
+  CLI::App* const run = &flags.command();
   run->add_option("subject", run_options->subject, "Template, or SPECIFICATION.json")->required();
   run->add_option("--minimize", run_options->minimize,
                   "Metric to make small; two to six, with those to make large");
   run->add_option("--maximize", run_options->maximize, "Metric to make large");
-  run->add_option("--define", run_options->own.define,
-                  "A metric of your own, \"NAME [UNIT] = EXPRESSION\"");
-  run->add_option("--point", run_options->own.point,
-                  "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
+  AddMetricDefinitionFlags(flags, run_options->own);
   run->add_option("--fix", run_options->fix, "NAME=VALUE: keep a parameter; of a choice its name");
   run->add_option("--allow", run_options->allow, "NAME=CHOICE,CHOICE: leave a choice only some");
   run->add_option("--range", run_options->range, "NAME=LOW:HIGH: narrow a parameter");
@@ -383,17 +380,13 @@ void AddParetoCommands(CLI::App& app, Session& session) {
                   "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}));
   run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");
-  AddTagOptions(*run, run_options->tags);
+  AddTagOptions(flags, run_options->tags);
   AddDetach(*run, run_options->detach)->excludes("--out");
   run->footer(
       "Example: mortise pareto run table --minimize mass --minimize max_displacement "
       "--fix length=1.4 --evaluations 150");
-  run->callback([&session, run_options] {
-    session.command = [run_options](Session& s, Output& o) {
-      FieldSources sources;
-      const absl::Status status = Run(*run_options, sources, s, o);
-      return sources.Name(status);
-    };
+  flags.Run(session, [run_options](FieldSources& sources, Session& s, Output& o) {
+    return Run(*run_options, sources, s, o);
   });
 
   auto name = std::make_shared<std::string>();

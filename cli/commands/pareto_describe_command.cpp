@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -57,17 +57,11 @@ absl::Status Describe(const std::string& subject, Session& session, Output& outp
 
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session) {
   auto subject = std::make_shared<std::string>();
-  CLI::App* const describe =
-      pareto.add_subcommand("describe", "What can be varied of a subject, and what can be asked");
-  describe->add_option("subject", *subject, "Template, or evaluators/NAME")->required();
-  describe->footer("Example: mortise pareto describe table");
-  describe->callback([&session, subject] {
-    session.command = [subject](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("subject", "subject");
-      return sources.Name(Describe(*subject, s, o));
-    };
-  });
+  CommandFlags flags(
+      *pareto.add_subcommand("describe", "What can be varied of a subject, and what can be asked"));
+  flags.Add("subject", *subject, "Template, or evaluators/NAME", "subject")->required();
+  flags.command().footer("Example: mortise pareto describe table");
+  flags.Run(session, [subject](Session& s, Output& o) { return Describe(*subject, s, o); });
 }
 
 }  // namespace mortise::cli

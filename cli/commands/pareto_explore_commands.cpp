@@ -12,7 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -160,12 +160,10 @@ void PrintPart(const v1::RestrictFrontResponse& response, const Output& output) 
                                 conflict.correlation()));
 }
 
-absl::Status Restrict(const RestrictOptions& options, FieldSources& sources, Session& session,
-                      Output& output) {
+absl::Status Restrict(const RestrictOptions& options, Session& session, Output& output) {
   v1::RestrictFrontRequest request;
   request.set_name(ResourceName("fronts", options.front));
   for (const std::string& range : options.range) MORTISE_RETURN_IF_ERROR(AddLimit(range, request));
-  sources.AddEach("limits", "--range", options.range);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::ParetoService::NewStub(client->channel());
   v1::RestrictFrontResponse response;
@@ -179,42 +177,29 @@ absl::Status Restrict(const RestrictOptions& options, FieldSources& sources, Ses
 
 void AddPick(CLI::App& pareto, Session& session) {
   auto options = std::make_shared<PickOptions>();
-  CLI::App* const pick =
-      pareto.add_subcommand("pick", "The point of a front at a place, and what improving it costs");
-  pick->add_option("front", options->front, "Front")->required();
-  pick->add_option("--at", options->at, "METRIC=VALUE, or coordinates 0 to 1 of the embedding");
-  pick->add_option("--index", options->index, "The point's place in the front, 0 for the first");
-  pick->add_option("--improve", options->improve, "Walk from there to better values of a metric");
-  pick->add_option("--steps", options->steps, "Points to walk; 1 by default");
-  pick->footer("Example: mortise pareto pick fronts/0198c1 --at max_displacement=1.5mm");
-  pick->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      FieldSources sources;
-      sources.Add("embedding", "--at");
-      sources.Add("metric", "--at");
-      sources.Add("index", "--index");
-      sources.Add("improve", "--improve");
-      sources.Add("steps", "--steps");
-      return sources.Name(Pick(*options, s, o));
-    };
-  });
+  CommandFlags flags(*pareto.add_subcommand(
+      "pick", "The point of a front at a place, and what improving it costs"));
+  flags.Add("front", options->front, "Front")->required();
+  flags.Add("--at", options->at, "METRIC=VALUE, or coordinates 0 to 1 of the embedding",
+            "embedding");
+  flags.AlsoGives("--at", "metric");
+  flags.Add("--index", options->index, "The point's place in the front, 0 for the first", "index");
+  flags.Add("--improve", options->improve, "Walk from there to better values of a metric",
+            "improve");
+  flags.Add("--steps", options->steps, "Points to walk; 1 by default", "steps");
+  flags.command().footer("Example: mortise pareto pick fronts/0198c1 --at max_displacement=1.5mm");
+  flags.Run(session, [options](Session& s, Output& o) { return Pick(*options, s, o); });
 }
 
 void AddRestrict(CLI::App& pareto, Session& session) {
   auto options = std::make_shared<RestrictOptions>();
-  CLI::App* const restrict = pareto.add_subcommand(
-      "restrict", "What remains of a front when metrics or parameters keep to limits");
-  restrict->add_option("front", options->front, "Front")->required();
-  restrict->add_option("--range", options->range,
-                       "NAME=LOW:HIGH, NAME=LOW: or NAME=:HIGH, of a metric or a parameter");
-  restrict->footer("Example: mortise pareto restrict fronts/0198c1 --range mass=:18");
-  restrict->callback([&session, options] {
-    session.command = [options](Session& s, Output& o) {
-      FieldSources sources;
-      const absl::Status status = Restrict(*options, sources, s, o);
-      return sources.Name(status);
-    };
-  });
+  CommandFlags flags(*pareto.add_subcommand(
+      "restrict", "What remains of a front when metrics or parameters keep to limits"));
+  flags.Add("front", options->front, "Front")->required();
+  flags.Add("--range", options->range,
+            "NAME=LOW:HIGH, NAME=LOW: or NAME=:HIGH, of a metric or a parameter", "limits");
+  flags.command().footer("Example: mortise pareto restrict fronts/0198c1 --range mass=:18");
+  flags.Run(session, [options](Session& s, Output& o) { return Restrict(*options, s, o); });
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
@@ -28,18 +28,6 @@ struct PlanOptions {
   std::filesystem::path out;
   bool detach = false;
 };
-
-FieldSources SourcesOf(const PlanOptions& options) {
-  FieldSources sources;
-  sources.AddEach("parameters", "--set", options.parameters);
-  sources.Add("quantity", "--quantity");
-  sources.Add("rules.kerf", "--kerf");
-  sources.Add("rules.board_trim", "--board-trim");
-  sources.Add("rules.sheet_trim", "--sheet-trim");
-  sources.Add("rules.sheet_spacing", "--sheet-spacing");
-  AddSources(options.tags, sources);
-  return sources;
-}
 
 std::string PriceText(const v1::Money& money) {
   return money.currency().empty() ? "no price known"
@@ -136,27 +124,23 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
 
 void AddPlanCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "Plan the fabrication of a design");
-  plan->add_option("template", options->subject, "Template, such as table")->required();
-  plan->add_option("--set", options->parameters,
-                   "NAME=VALUE, such as length=1500mm (metres without unit)");
-  plan->add_option("--quantity", options->quantity, "How many to make")->capture_default_str();
-  plan->add_option("--kerf", options->kerf, "Width of a saw cut; 3mm if absent");
-  plan->add_option("--board-trim", options->board_trim,
-                   "Cut off each end of a board; 10mm if absent");
-  plan->add_option("--sheet-trim", options->sheet_trim,
-                   "Left off each edge of a sheet; 10mm if absent");
-  plan->add_option("--sheet-spacing", options->sheet_spacing,
-                   "Least distance between outlines on a sheet; 10mm if absent");
-  plan->add_option("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
-  AddTagOptions(*plan, options->tags);
-  AddDetach(*plan, options->detach)->excludes("--out");
-  plan->footer("Example: mortise plan table --set length=1500mm --out out/plan");
-  plan->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) {
-      return SourcesOf(*options).Name(Plan(*options, s, output));
-    };
-  });
+  CommandFlags flags(*app.add_subcommand("plan", "Plan the fabrication of a design"));
+  flags.Add("template", options->subject, "Template, such as table")->required();
+  flags.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm (metres without unit)",
+            "parameters");
+  flags.Add("--quantity", options->quantity, "How many to make", "quantity")->capture_default_str();
+  flags.Add("--kerf", options->kerf, "Width of a saw cut; 3mm if absent", "rules.kerf");
+  flags.Add("--board-trim", options->board_trim, "Cut off each end of a board; 10mm if absent",
+            "rules.board_trim");
+  flags.Add("--sheet-trim", options->sheet_trim, "Left off each edge of a sheet; 10mm if absent",
+            "rules.sheet_trim");
+  flags.Add("--sheet-spacing", options->sheet_spacing,
+            "Least distance between outlines on a sheet; 10mm if absent", "rules.sheet_spacing");
+  flags.Add("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
+  AddTagOptions(flags, options->tags);
+  AddDetach(flags.command(), options->detach)->excludes("--out");
+  flags.command().footer("Example: mortise plan table --set length=1500mm --out out/plan");
+  flags.Run(session, [options](Session& s, Output& o) { return Plan(*options, s, o); });
 }
 
 }  // namespace mortise::cli

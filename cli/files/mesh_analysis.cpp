@@ -76,7 +76,6 @@ absl::StatusOr<std::optional<v1::Analysis>> AnalyzeMeshFiles(const MeshFiles& fi
   FieldSources sources;
   sources.AddFile("case", files.case_file.string());
   sources.Add("mesh_file", files.mesh_file.string());
-  AddSources(files.tags, sources);
   v1::AnalyzeMeshRequest request;
   request.set_request_id(NewIdentifier());
   MORTISE_RETURN_IF_ERROR(AddTags(files.tags, &request));

@@ -9,6 +9,9 @@
 namespace mortise::cli {
 namespace {
 
+constexpr char kDefine[] = "--define";
+constexpr char kPoint[] = "--point";
+
 std::string Trimmed(const std::string& text) {
   return std::string(absl::StripAsciiWhitespace(text));
 }
@@ -16,7 +19,7 @@ std::string Trimmed(const std::string& text) {
 absl::Status ParseMetric(const std::string& text, v1::MetricExpression& metric) {
   const std::vector<std::string> halves = absl::StrSplit(text, absl::MaxSplits('=', 1));
   if (halves.size() != 2) {
-    return InvalidField("--define",
+    return InvalidField(kDefine,
                         absl::StrCat("'", text, "' is not of the form NAME [UNIT] = EXPRESSION"));
   }
   std::string name = Trimmed(halves[0]);
@@ -36,7 +39,7 @@ absl::Status ParsePoint(const std::string& text, v1::NamedPoint& point) {
   const std::vector<std::string> coordinates =
       halves.size() == 2 ? absl::StrSplit(halves[1], ',') : std::vector<std::string>();
   if (coordinates.size() != 3) {
-    return InvalidField("--point", absl::StrCat("'", text, "' is not of the form NAME = X, Y, Z"));
+    return InvalidField(kPoint, absl::StrCat("'", text, "' is not of the form NAME = X, Y, Z"));
   }
   point.set_name(Trimmed(halves[0]));
   point.set_x(Trimmed(coordinates[0]));
@@ -58,10 +61,17 @@ absl::StatusOr<v1::MetricDefinitions> ParseMetricDefinitions(const MetricDefinit
   return definitions;
 }
 
+void AddMetricDefinitionFlags(CommandFlags& flags, MetricDefinitionFlags& options,
+                              const std::string& more) {
+  flags.Add(kDefine, options.define,
+            absl::StrCat("A metric of your own, \"NAME [UNIT] = EXPRESSION\"", more));
+  flags.Add(kPoint, options.point, "A point that --define speaks of, \"NAME = X, Y, Z\" (metres)");
+}
+
 void AddSources(const MetricDefinitionFlags& flags, const std::string& field,
                 FieldSources& sources) {
-  sources.AddEach(field + ".expressions", "--define", flags.define);
-  sources.AddEach(field + ".points", "--point", flags.point);
+  sources.AddEach(field + ".expressions", kDefine, flags.define);
+  sources.AddEach(field + ".points", kPoint, flags.point);
 }
 
 }  // namespace mortise::cli

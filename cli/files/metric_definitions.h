@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "mortise/v1/metric.pb.h"
 
 namespace mortise::cli {
@@ -19,7 +19,12 @@ struct MetricDefinitionFlags {
 // in brackets has none, "1".
 absl::StatusOr<v1::MetricDefinitions> ParseMetricDefinitions(const MetricDefinitionFlags& flags);
 
-// What gave the fields below `field`, "metric_definitions", of a request.
+// Declares --define and --point. `more` is said of --define besides.
+void AddMetricDefinitionFlags(CommandFlags& flags, MetricDefinitionFlags& options,
+                              const std::string& more = "");
+
+// Says that the flags gave what is below `field` ("metric_definitions") of a request, for requests
+// that may have it from elsewhere.
 void AddSources(const MetricDefinitionFlags& flags, const std::string& field,
                 FieldSources& sources);
 

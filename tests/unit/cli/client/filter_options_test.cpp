@@ -103,8 +103,11 @@ TEST(FilterOptions, LabelsWithoutAKeyOrAValueAreRefused) {
 }
 
 TEST(FilterOptions, FieldsOfServicesAreFlags) {
-  FieldSources sources;
-  AddSources(FilterOptions(), sources);
+  CLI::App app;
+  FilterOptions options;
+  CommandFlags flags(app);
+  AddFilterOptions(flags, options);
+  const FieldSources sources = flags.Sources();
   const std::pair<const char*, const char*> flags[] = {{"filter.external_id", "--external-id"},
                                                        {"filter.labels", "--label"},
                                                        {"filter.creator", "--creator"},
@@ -120,7 +123,8 @@ TEST(FilterOptions, ALabelIsOneArgument) {
   FilterOptions options;
   std::string kind;
   app.add_option("kind", kind);
-  AddFilterOptions(app, options);
+  CommandFlags flags(app);
+  AddFilterOptions(flags, options);
   app.parse(std::vector<std::string>{"fronts", "b", "--label", "a=1", "--label"});
   EXPECT_EQ(kind, "fronts");
   EXPECT_EQ(options.labels, (std::vector<std::string>{"a=1", "b"}));

@@ -23,7 +23,8 @@ absl::StatusOr<v1::CreatePlanRequest> RequestOf(const std::vector<std::string>& 
   TagOptions options;
   std::string subject;
   app.add_option("subject", subject);
-  AddTagOptions(app, options);
+  CommandFlags flags(app);
+  AddTagOptions(flags, options);
   app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   v1::CreatePlanRequest request;
   request.set_template_(subject);
@@ -52,8 +53,11 @@ TEST(TagOptions, FaultsNameTheFlag) {
 }
 
 TEST(TagOptions, FieldsOfServicesAreFlags) {
-  FieldSources sources;
-  AddSources({.external_ids = {"one", "two\n"}, .labels = {"a=1"}}, sources);
+  CLI::App app;
+  TagOptions options{.external_ids = {"one", "two\n"}, .labels = {"a=1"}};
+  CommandFlags flags(app);
+  AddTagOptions(flags, options);
+  const FieldSources sources = flags.Sources();
   EXPECT_EQ(DetailOf(sources.Name(InvalidField("external_ids[1]", "is wrong"))).field,
             "--external-id two\n");
   EXPECT_EQ(DetailOf(sources.Name(InvalidField("external_ids", "are too many"))).field,
