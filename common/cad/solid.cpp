@@ -15,14 +15,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/cad/occt_vectors.h"
 #include "common/cad/solid_kernel.h"
 
 namespace mortise::cad {
 namespace {
 
 constexpr double kShortestEdge = 1e-6;  // m; ten times the kernel's tolerance
-
-gp_Pnt ToPoint(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
 gp_Vec ToVector(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 

@@ -24,6 +24,8 @@
 #include <numbers>
 #include <vector>
 
+#include "common/cad/occt_vectors.h"
+
 namespace mortise::cad {
 namespace {
 
@@ -38,8 +40,6 @@ constexpr int kRefinements = 60;  // of a place on a curve
 constexpr int kNewtonSteps = 20;
 constexpr int kMostSteps = 400;
 constexpr double kStill = 1e-9;  // step, of the range that is climbed
-
-Eigen::Vector3d ToEigen(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 // The places up to `reach` from one of `count` in a row. What is between them is at most as much
 // higher than the highest as that is than the lowest of those within two.

@@ -5,19 +5,10 @@
 #include "common/base/errors.h"
 #include "common/files/axis_codec.h"
 #include "common/files/template_codec.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::parametric {
 namespace {
-
-void SetVector(const Eigen::Vector3d& vector, v1::Vector3* message) {
-  message->set_x(vector.x());
-  message->set_y(vector.y());
-  message->set_z(vector.z());
-}
-
-Eigen::Vector3d VectorOf(const v1::Vector3& message) {
-  return {message.x(), message.y(), message.z()};
-}
 
 void SetShape(const FacetedShape& shape, v1::FacetedShape* message) {
   const mesh::SurfaceMesh& surface = shape.surface;
@@ -45,9 +36,9 @@ void SetPart(const EvaluatedPart& part, v1::EvaluatedPart* message) {
   }
   message->set_from(part.from);
   message->set_to(part.to);
-  SetVector(part.minimum, message->mutable_minimum());
-  SetVector(part.maximum, message->mutable_maximum());
-  SetVector(part.size, message->mutable_size());
+  *message->mutable_minimum() = VectorToProto(part.minimum);
+  *message->mutable_maximum() = VectorToProto(part.maximum);
+  *message->mutable_size() = VectorToProto(part.size);
   message->set_volume(part.volume);
   message->set_mass(part.mass);
   message->set_process(ProcessToProto(part.process));
@@ -101,9 +92,9 @@ absl::StatusOr<EvaluatedPart> PartOf(const v1::EvaluatedPart& message, const std
   }
   part.from = message.from();
   part.to = message.to();
-  part.minimum = VectorOf(message.minimum());
-  part.maximum = VectorOf(message.maximum());
-  part.size = VectorOf(message.size());
+  part.minimum = VectorFromProto(message.minimum());
+  part.maximum = VectorFromProto(message.maximum());
+  part.size = VectorFromProto(message.size());
   part.volume = message.volume();
   part.mass = message.mass();
   MORTISE_ASSIGN_OR_RETURN(part.process,
@@ -137,8 +128,8 @@ void SetConnector(const EvaluatedConnector& peg, v1::EvaluatedConnector* message
   message->set_item(peg.item);
   message->set_part(peg.part);
   message->set_other_part(peg.other_part);
-  SetVector(peg.position, message->mutable_position());
-  SetVector(peg.direction, message->mutable_direction());
+  *message->mutable_position() = VectorToProto(peg.position);
+  *message->mutable_direction() = VectorToProto(peg.direction);
   message->set_diameter(peg.diameter);
   message->set_length(peg.length);
   message->set_depth_in_part(peg.depth_in_part);
@@ -151,8 +142,8 @@ EvaluatedConnector ConnectorOf(const v1::EvaluatedConnector& message) {
   peg.item = message.item();
   peg.part = message.part();
   peg.other_part = message.other_part();
-  peg.position = VectorOf(message.position());
-  peg.direction = VectorOf(message.direction());
+  peg.position = VectorFromProto(message.position());
+  peg.direction = VectorFromProto(message.direction());
   peg.diameter = message.diameter();
   peg.length = message.length();
   peg.depth_in_part = message.depth_in_part();
@@ -182,7 +173,7 @@ void SetCondition(const EvaluatedBoundaryCondition& condition,
   message->set_part(condition.part);
   message->set_face(condition.face);
   message->set_load_case(condition.load_case);
-  SetVector(condition.force, message->mutable_force());
+  *message->mutable_force() = VectorToProto(condition.force);
   message->set_pressure(condition.pressure);
   message->set_heat_flux(condition.heat_flux);
   message->set_temperature(condition.temperature);
@@ -191,11 +182,11 @@ void SetCondition(const EvaluatedBoundaryCondition& condition,
     SetDisplacement(condition.displacement, message->mutable_displacement());
   }
   if (condition.kind == BoundaryConditionKind::kGravity) {
-    SetVector(condition.acceleration, message->mutable_acceleration());
+    *message->mutable_acceleration() = VectorToProto(condition.acceleration);
   }
   if (condition.kind == BoundaryConditionKind::kRotation) {
-    SetVector(condition.axis_point, message->mutable_axis_point());
-    SetVector(condition.angular_velocity, message->mutable_angular_velocity());
+    *message->mutable_axis_point() = VectorToProto(condition.axis_point);
+    *message->mutable_angular_velocity() = VectorToProto(condition.angular_velocity);
   }
 }
 
@@ -211,15 +202,15 @@ absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
   condition.part = message.part();
   condition.face = message.face();
   condition.load_case = message.load_case();
-  condition.force = VectorOf(message.force());
+  condition.force = VectorFromProto(message.force());
   condition.pressure = message.pressure();
   condition.heat_flux = message.heat_flux();
   condition.temperature = message.temperature();
   condition.coefficient = message.coefficient();
   condition.displacement = DisplacementOf(message.displacement());
-  condition.acceleration = VectorOf(message.acceleration());
-  condition.axis_point = VectorOf(message.axis_point());
-  condition.angular_velocity = VectorOf(message.angular_velocity());
+  condition.acceleration = VectorFromProto(message.acceleration());
+  condition.axis_point = VectorFromProto(message.axis_point());
+  condition.angular_velocity = VectorFromProto(message.angular_velocity());
   return condition;
 }
 

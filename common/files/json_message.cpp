@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/messages/json_faults.h"
 #include "common/messages/message_words.h"
@@ -24,26 +23,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostShown = 80;  // bytes
 constexpr int kMostNesting = 64;
-
-// What a field takes.
-std::string Wanted(const FieldDescriptor& field) {
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return "must be true or false";
-    case FieldDescriptor::CPPTYPE_STRING:
-      return field.type() == FieldDescriptor::TYPE_BYTES ? "must be a text in base64"
-                                                         : "must be a text";
-    case FieldDescriptor::CPPTYPE_MESSAGE:
-      return absl::StrCat("must be a ", field.message_type()->full_name(), " as JSON");
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-    case FieldDescriptor::CPPTYPE_FLOAT:
-      return "must be a number";
-    default:
-      return "must be a whole number that is not too large";
-  }
-}
 
 // Takes what cannot be read out of a JSON object.
 class Cleaner {
@@ -118,13 +97,12 @@ class Cleaner {
   // What is said of a value that the field cannot have.
   static std::string Refusal(const Json& value, const FieldDescriptor& field) {
     const std::string shown = value.is_primitive() ? value.dump() + " " : "";
-    return absl::StrCat(shown.size() > kMostShown ? "" : shown, Wanted(field));
+    return absl::StrCat(shown.size() > kMostShown ? "" : shown, WantedValue(field));
   }
 
   bool CleanValue(Json& value, const FieldDescriptor& field, const std::string& place) {
     const bool is_message = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-    const bool is_plain =
-        is_message && !absl::StartsWith(field.message_type()->full_name(), "google.protobuf.");
+    const bool is_plain = is_message && !HasSpecialJson(*field.message_type());
     if (is_plain) {
       if (!value.is_object()) return Fail(place, "must be an object");
       CleanObject(value, *field.message_type(), place);

@@ -16,7 +16,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
-#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/decimal_number.h"
@@ -34,31 +33,6 @@ constexpr std::size_t kMostNesting = 100;  // as protobuf's reader
 constexpr std::size_t kMostShown = 80;     // bytes
 
 constexpr char kObject[] = "must be an object";
-
-// Of messages that JSON writes in a way of their own.
-constexpr char kWellKnown[] = "google.protobuf.";
-
-// What a field takes.
-std::string Wanted(const FieldDescriptor& field) {
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return "must be true or false";
-    case FieldDescriptor::CPPTYPE_STRING:
-      return field.type() == FieldDescriptor::TYPE_BYTES ? "must be a text in base64"
-                                                         : "must be a text";
-    case FieldDescriptor::CPPTYPE_MESSAGE:
-      return absl::StartsWith(field.message_type()->full_name(), kWellKnown)
-                 ? absl::StrCat("must be a ", field.message_type()->full_name(), " as JSON")
-                 : kObject;
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-    case FieldDescriptor::CPPTYPE_FLOAT:
-      return "must be a number";
-    default:
-      return "must be a whole number that is not too large";
-  }
-}
 
 template <typename Integer>
 bool IsInteger(const Json& value) {
@@ -101,7 +75,7 @@ bool IsBase64(const Json& value) {
 // Whether a message can be written as this one value. Of those that nobody sends, all are taken.
 bool IsWellKnown(const Descriptor& type, const Json& value) {
   using google::protobuf::util::TimeUtil;
-  if (!absl::StartsWith(type.full_name(), kWellKnown)) return false;
+  if (!HasSpecialJson(type)) return false;
   if (type.full_name() == "google.protobuf.Timestamp") {
     google::protobuf::Timestamp time;
     return value.is_string() && TimeUtil::FromString(value.get_ref<const std::string&>(), &time);
@@ -194,7 +168,7 @@ class Walk : public nlohmann::json_sax<Json> {
     const Frame& frame = frames_.back();
     // Protobuf's reader takes it for an entry with an empty value.
     if (frame.kind == Frame::Kind::kMap) {
-      Add(absl::StrCat("null ", Wanted(*frame.field)), Weight::kAlways);
+      Add(absl::StrCat("null ", WantedValue(*frame.field)), Weight::kAlways);
     }
     return Next();
   }
@@ -216,10 +190,10 @@ class Walk : public nlohmann::json_sax<Json> {
       const bool is_message = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
       if (IsWholeMap(*field)) {
         frame = {Frame::Kind::kMap, nullptr, field->message_type()->map_value()};
-      } else if (is_message && !absl::StartsWith(field->message_type()->full_name(), kWellKnown)) {
+      } else if (is_message && !HasSpecialJson(*field->message_type())) {
         frame = {Frame::Kind::kMessage, field->message_type()};
       } else if (!is_message) {
-        Add(Wanted(*field));
+        Add(WantedValue(*field));
       }
     }
     return Enter(std::move(frame));
@@ -258,8 +232,8 @@ class Walk : public nlohmann::json_sax<Json> {
       if (is_list && frames_.back().kind == Frame::Kind::kMessage) {
         frame.field = field;
       } else if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE ||
-                 !absl::StartsWith(field->message_type()->full_name(), kWellKnown)) {
-        Add(IsWholeMap(*field) ? kObject : Wanted(*field));
+                 !HasSpecialJson(*field->message_type())) {
+        Add(IsWholeMap(*field) ? kObject : WantedValue(*field));
       }
     }
     return Enter(std::move(frame));
@@ -314,8 +288,8 @@ class Walk : public nlohmann::json_sax<Json> {
     if (!is_number || !(digits.starts_with("0x") || digits.starts_with("0X"))) return;
     const bool is_shown = value.size() <= kMostShown;
     Add(is_shown ? absl::StrCat("\"", absl::string_view(value.data(), value.size()), "\" ",
-                                Wanted(*field))
-                 : Wanted(*field),
+                                WantedValue(*field))
+                 : WantedValue(*field),
         Weight::kAlways);
   }
 
@@ -325,7 +299,7 @@ class Walk : public nlohmann::json_sax<Json> {
     if (field == nullptr) return;
     if (IsWholeMap(*field)) return Add(kObject);
     if (CanBe(*field, value)) return;
-    const std::string wanted = Wanted(*field);
+    const std::string wanted = WantedValue(*field);
     const std::string shown = value.dump(-1, ' ', false, Json::error_handler_t::replace);
     const bool is_shown = wanted != kObject && shown.size() <= kMostShown;
     Add(absl::StrCat(is_shown ? shown + " " : "", wanted));

@@ -1,5 +1,6 @@
 #include "common/messages/message_words.h"
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
 namespace mortise {
@@ -18,6 +19,32 @@ std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice) {
     absl::StrAppend(&names, i == 0 ? "" : ", ", choice.field(i)->name());
   }
   return names;
+}
+
+bool HasSpecialJson(const google::protobuf::Descriptor& type) {
+  return absl::StartsWith(type.full_name(), "google.protobuf.");
+}
+
+std::string WantedValue(const google::protobuf::FieldDescriptor& field) {
+  using google::protobuf::FieldDescriptor;
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "must be true or false";
+    case FieldDescriptor::CPPTYPE_STRING:
+      return field.type() == FieldDescriptor::TYPE_BYTES ? "must be a text in base64"
+                                                         : "must be a text";
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return HasSpecialJson(*field.message_type())
+                 ? absl::StrCat("must be a ", field.message_type()->full_name(), " as JSON")
+                 : "must be an object";
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+    case FieldDescriptor::CPPTYPE_FLOAT:
+      return "must be a number";
+    default:
+      return "must be a whole number that is not too large";
+  }
 }
 
 }  // namespace mortise

@@ -1,4 +1,4 @@
-// Names of a message's type as people are told them. Target mortise_message_faults.
+// Tells people of the fields of messages: what they are called, and what they take.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -7,10 +7,17 @@
 
 namespace mortise {
 
-// "X, Y, Z": all values but the first, which stands for what is not said.
+// Returns "X, Y, Z": all values but the first, which stands for what is not said.
 std::string ValueNames(const google::protobuf::EnumDescriptor& type);
 
-// "cad, cage": the fields of which a message has one at most.
+// Returns "cad, cage": the fields of which a message has one at most.
 std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice);
+
+// Whether JSON writes messages of this type in a way of their own, as texts or numbers
+// (google.protobuf.Timestamp).
+bool HasSpecialJson(const google::protobuf::Descriptor& type);
+
+// Returns what a field takes, for faults of JSON: "must be a number", "must be one of X, Y, Z".
+std::string WantedValue(const google::protobuf::FieldDescriptor& field);
 
 }  // namespace mortise

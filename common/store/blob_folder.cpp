@@ -17,6 +17,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/freed_by.h"
 #include "common/base/identifiers.h"
 
 namespace mortise::store {
@@ -61,10 +62,6 @@ absl::Status FlushFolder(const std::filesystem::path& folder) {
   return result == 0 ? absl::OkStatus() : Failed(folder);
 }
 
-struct FreeDigest {
-  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-};
-
 class FileBlobWriter final : public BlobWriter {
  public:
   FileBlobWriter(std::filesystem::path folder, std::filesystem::path part, int descriptor)
@@ -93,7 +90,7 @@ class FileBlobWriter final : public BlobWriter {
   }
 
   std::string Digest() const override {
-    const std::unique_ptr<EVP_MD_CTX, FreeDigest> so_far(EVP_MD_CTX_new());
+    const std::unique_ptr<EVP_MD_CTX, FreedBy<EVP_MD_CTX_free>> so_far(EVP_MD_CTX_new());
     EVP_MD_CTX_copy_ex(so_far.get(), digest_.get());
     unsigned char bytes[EVP_MAX_MD_SIZE];
     unsigned int length = 0;
@@ -120,7 +117,7 @@ class FileBlobWriter final : public BlobWriter {
   std::filesystem::path folder_;
   std::filesystem::path part_;
   int descriptor_;  // -1 once finished
-  std::unique_ptr<EVP_MD_CTX, FreeDigest> digest_;
+  std::unique_ptr<EVP_MD_CTX, FreedBy<EVP_MD_CTX_free>> digest_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "common/base/identifiers.h"
 #include "common/design/field_checks.h"
 #include "common/messages/message_digest.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -25,8 +26,8 @@ void ReadJoint(const v1::Joint& message, const std::string& field, const GroupRe
   Joint joint;
   joint.name = message.name();
   joint.group = groups.Find(message.group(), field + ".group");
-  joint.center = ToEigen(message.center());
-  joint.axis = ToEigen(message.axis());
+  joint.center = VectorFromProto(message.center());
+  joint.axis = VectorFromProto(message.axis());
   joint.lower = message.lower();
   joint.upper = message.upper();
   switch (message.kind()) {
@@ -56,11 +57,11 @@ void ReadJoint(const v1::Joint& message, const std::string& field, const GroupRe
     const std::string motion = absl::StrCat(field, ".rest_poses[", i, "]");
     if (is_ball && pose.amount() != 0) {
       findings.push_back({motion + ".amount", "is not of ball joints: give their `rotation`"});
-    } else if (!is_ball && !ToEigen(pose.rotation()).isZero(0)) {
+    } else if (!is_ball && !VectorFromProto(pose.rotation()).isZero(0)) {
       findings.push_back({motion + ".rotation", "is of ball joints only: give the `amount`"});
     }
     joint.rest_poses.push_back({pose.name(), is_ball
-                                                 ? ToEigen(pose.rotation())
+                                                 ? VectorFromProto(pose.rotation())
                                                  : Eigen::Vector3d(pose.amount() * joint.axis)});
   }
   drawing.assembly.joints.push_back(std::move(joint));
@@ -83,7 +84,7 @@ FieldViolation AtMessage(const FieldViolation& finding, const v1::Assembly& mess
     const v1::AssemblyPart& drawn = message.parts(IndexIn(place, "parts"));
     // Boxes and limits are made of the message's positions and sizes.
     const bool is_nowhere =
-        ToEigen(drawn.size()).allFinite() && !ToEigen(drawn.position()).allFinite();
+        VectorFromProto(drawn.size()).allFinite() && !VectorFromProto(drawn.position()).allFinite();
     const std::string field = absl::StrReplaceAll(
         rest, {{".limits", ".size"}, {".box", is_nowhere ? ".position" : ".size"}});
     return {place + field,

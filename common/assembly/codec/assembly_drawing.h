@@ -21,10 +21,6 @@ struct AssemblyDrawing {
   std::vector<int> group_messages;       // of each group but the root, index into the message
 };
 
-inline Eigen::Vector3d ToEigen(const v1::Vector3& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
-
 // Of parts, groups, joints and planes: 1 to 63 bytes of text in one line.
 void CheckAssemblyName(const std::string& field, const std::string& name,
                        std::vector<FieldViolation>& findings);

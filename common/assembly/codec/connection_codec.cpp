@@ -2,19 +2,14 @@
 
 #include "common/assembly/connections/connection_optimizer.h"
 #include "common/files/axis_codec.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::parametric {
 namespace {
 
-void SetProto(const Eigen::Vector3d& vector, v1::Vector3* message) {
-  message->set_x(vector.x());
-  message->set_y(vector.y());
-  message->set_z(vector.z());
-}
-
 void SetProto(const BoundingBox& box, v1::ConnectionPatch::Piece* message) {
-  SetProto(box.minimum, message->mutable_minimum());
-  SetProto(box.maximum, message->mutable_maximum());
+  *message->mutable_minimum() = VectorToProto(box.minimum);
+  *message->mutable_maximum() = VectorToProto(box.maximum);
 }
 
 v1::ConnectionPatch::Kind KindToProto(PatchKind kind) {

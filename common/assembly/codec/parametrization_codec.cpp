@@ -13,15 +13,10 @@
 #include "common/base/errors.h"
 #include "common/files/axis_codec.h"
 #include "common/files/template_codec.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::parametric {
 namespace {
-
-void SetProto(const Eigen::Vector3d& vector, v1::Vector3* message) {
-  message->set_x(vector.x());
-  message->set_y(vector.y());
-  message->set_z(vector.z());
-}
 
 // Groups are named in messages, the root by nothing.
 std::string GroupName(const Assembly& assembly, int group) {
@@ -98,11 +93,11 @@ void SetProto(const Assembly& assembly, const Element& element, v1::ParametricEl
       if (direction.count < 2) continue;
       v1::PatternRow* row = message->add_rows();
       row->set_count(direction.count);
-      SetProto(direction.spacing, row->mutable_spacing());
+      *row->mutable_spacing() = VectorToProto(direction.spacing);
     }
   }
-  SetProto(element.box.minimum, message->mutable_minimum());
-  SetProto(element.box.maximum, message->mutable_maximum());
+  *message->mutable_minimum() = VectorToProto(element.box.minimum);
+  *message->mutable_maximum() = VectorToProto(element.box.maximum);
 }
 
 absl::Status AddNodes(const ParametricAssembly& parametric, v1::Parametrization& message) {
@@ -234,8 +229,8 @@ absl::StatusOr<v1::AdjustedAssembly> EvaluatedToProto(const ParametricAssembly& 
       placed->set_shape(shape->name);
     }
     for (const Axis axis : kAxes) AddLevels(part, axis, *placed);
-    SetProto(part.box.minimum, placed->mutable_minimum());
-    SetProto(part.box.maximum, placed->mutable_maximum());
+    *placed->mutable_minimum() = VectorToProto(part.box.minimum);
+    *placed->mutable_maximum() = VectorToProto(part.box.maximum);
   }
   for (const ContactFault& fault : faults) message.add_faults(Describe(fault));
   return message;

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/design/field_checks.h"
 #include "common/files/axis_codec.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::parametric {
 namespace {
@@ -68,7 +69,8 @@ void ApplyDrawnSize(const Eigen::Vector3d& size, AssemblyPart& part) {
 // Whether steps along one direction of a grid lead to where steps along the other do.
 bool Coincide(const v1::Repeat& first, const v1::Repeat& second) {
   constexpr double kSameStep = 1e-9;
-  const Eigen::Vector3d one = ToEigen(first.offset()), other = ToEigen(second.offset());
+  const Eigen::Vector3d one = VectorFromProto(first.offset()),
+                        other = VectorFromProto(second.offset());
   const double share = one.dot(other) / other.squaredNorm();  // of `other` that `one` is
   if ((one - share * other).norm() > kSameStep * one.norm()) return false;
   for (int steps = 1; steps < first.count(); ++steps) {
@@ -91,7 +93,7 @@ PartReader::Places PartReader::Repetitions(const v1::AssemblyPart& part, const s
   for (int r = 0; r < part.repeat_size(); ++r) {
     const v1::Repeat& repeat = part.repeat(r);
     const std::string place = absl::StrCat(field, ".repeat[", r, "]");
-    const Eigen::Vector3d offset = ToEigen(repeat.offset());
+    const Eigen::Vector3d offset = VectorFromProto(repeat.offset());
     if (repeat.count() < 2 || repeat.count() > kMaxRepeat) {
       findings.push_back({place + ".count", absl::StrCat("must be 2 to ", kMaxRepeat)});
       return places;
@@ -128,7 +130,7 @@ void PartReader::Read(const v1::AssemblyPart& message, const std::string& field,
     findings_.push_back({field + ".role", "must be PRINCIPAL or CONNECTING"});
   }
   ReadPlanes(message, field, part);
-  Eigen::Vector3d size = ToEigen(message.size());
+  Eigen::Vector3d size = VectorFromProto(message.size());
   const Item* const item = FindItem(items_, message.item());
   const bool has_item = !message.item().empty();
   if (has_item && item == nullptr) {
@@ -167,7 +169,7 @@ void PartReader::ReadPlanes(const v1::AssemblyPart& message, const std::string& 
 }
 
 void PartReader::ReadColor(const v1::Vector3& color, const std::string& field, AssemblyPart& part) {
-  part.color = ToEigen(color);
+  part.color = VectorFromProto(color);
   if (!(part.color->minCoeff() >= 0 && part.color->maxCoeff() <= 1)) {
     findings_.push_back({field, "must be three numbers between 0 and 1"});
   }
@@ -185,7 +187,7 @@ void PartReader::CheckIncomplete(const std::string& name, const std::string& fie
 void PartReader::AddAll(const v1::AssemblyPart& message, const std::string& field,
                         const AssemblyPart& first, const Eigen::Vector3d& size,
                         const Places& places, AssemblyDrawing& drawing) {
-  const Eigen::Vector3d position = ToEigen(message.position());
+  const Eigen::Vector3d position = VectorFromProto(message.position());
   for (const auto& [suffix, offset] : places) {
     if (drawing.assembly.parts.size() == kMaxAssemblyParts) {
       if (!full_) findings_.push_back({"parts", absl::StrCat("are more than ", kMaxAssemblyParts)});

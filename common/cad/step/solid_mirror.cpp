@@ -14,6 +14,7 @@
 #include <gp_Trsf.hxx>
 #include <vector>
 
+#include "common/cad/occt_vectors.h"
 #include "common/cad/step/shape_samples.h"
 
 namespace mortise::cad {
@@ -24,8 +25,6 @@ constexpr double kLeastPlace = 1e-7;         // m
 constexpr std::size_t kMostCorners = 8;      // vertices, and edges, through which planes are tried
 constexpr std::size_t kMostFeatures = 2000;  // of larger solids none is looked for
 constexpr std::size_t kMostPoints = 4000;    // nor if edges and faces bend so often
-
-Eigen::Vector3d ToEigen(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 // A vertex, edge or face: where its middle is, and how large it is.
 struct Feature {

@@ -30,6 +30,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/cad/occt_vectors.h"
 #include "common/cad/solid_box.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/stretch/fitted_curve.h"
@@ -112,8 +113,6 @@ ParameterRange RangeOf(const TopoDS_Face& face) {
   if (!box.IsVoid()) box.Get(range.u_minimum, range.v_minimum, range.u_maximum, range.v_maximum);
   return range;
 }
-
-Eigen::Vector3d ToEigen(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 // Of a surface that runs along an axis, the parameter that does: 0 for u, 1 for v; -1 for none.
 int ParameterAlong(const Handle(Geom_Surface) & surface, int axis, const ParameterRange& range) {

@@ -26,6 +26,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/cad/occt_vectors.h"
 #include "common/cad/stretch/stretched_curve.h"
 
 namespace mortise::cad {
@@ -46,8 +47,6 @@ struct RationalCurve {
   int degree = 1;
   ParameterMap map;
 };
-
-Eigen::Vector3d ToEigen(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 Eigen::Vector4d Weighted(const Eigen::Vector3d& place, double weight) {
   return (Eigen::Vector4d() << weight * place, weight).finished();

@@ -8,6 +8,8 @@
 #include <array>
 #include <optional>
 
+#include "common/cad/occt_vectors.h"
+
 namespace mortise::cad {
 namespace {
 
@@ -17,8 +19,6 @@ constexpr double kOnFace = 1e-2;     // of a side's length: how far what is foun
 constexpr double kLongestWay = 0.25;  // of a side's length
 // Singular value of two normals, below which their faces run into each other without a corner.
 constexpr double kOneTangentPlane = 0.1;
-
-Eigen::Vector3d ToEigen(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
 // The point of a surface near which another is sought.
 struct Foot {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/cad/occt_vectors.h"
 #include "common/mesh/surface_check.h"
 
 namespace mortise::cad {
@@ -28,8 +29,6 @@ constexpr double kAtACorner = 0.5;  // singular value below which a face runs al
 constexpr double kTurned = 0.05;  // of a triangle's area: what is left of one that nearly folds
 constexpr int kRounds = 20;
 constexpr int kMostCrossings = 100;
-
-Eigen::Vector3d ToEigen(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
 // The surface's normal, whichever way the face is turned; zero if it has none.
 Eigen::Vector3d NormalAt(const BRepAdaptor_Surface& surface, const gp_XY& place) {

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/base/errors.h"
+#include "common/cad/occt_vectors.h"
 #include "common/cad/solid_kernel.h"
 #include "common/cad/surface/assembly_surface.h"
 #include "common/cad/surface/gmsh_mesh.h"
@@ -27,10 +28,6 @@ constexpr double kMostMiss = 2 * kDrawingTolerance;  // of what a fuse moved ont
 constexpr double kAtAPole = 1e-6;                    // of one derivative to the other
 
 absl::Status GmshFailure(const std::string& how) { return KernelFailure("drawing triangles", how); }
-
-gp_Pnt ToPoint(const Eigen::Vector3d& place) { return {place.x(), place.y(), place.z()}; }
-
-Eigen::Vector3d ToEigen(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
 // Where on a face corners of triangles lie.
 class FacePlaces {

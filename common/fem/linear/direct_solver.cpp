@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/fem/linear/sparse_cholesky.h"
 
@@ -23,10 +24,6 @@ constexpr double kWithoutEnergy = 1e-16;
 
 // Of the diagonal, where rounding leaves no factor: some units of rounding.
 constexpr double kStiffening = 4e-15;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 absl::Status Singular() {
   return PreconditionFailed("SINGULAR",

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "absl/strings/str_format.h"
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/fem/linear/tridiagonal.h"
 
@@ -33,10 +34,6 @@ constexpr double kFirstLook = 10;
 
 // Coefficients kept for the estimate of the condition.
 constexpr std::size_t kLanczosSteps = 300;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 absl::Status Singular() {
   return PreconditionFailed("SINGULAR",

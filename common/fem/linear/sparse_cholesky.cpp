@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 
 extern "C" void openblas_set_num_threads(int threads);
@@ -20,10 +21,6 @@ namespace mortise::simulator {
 namespace {
 
 constexpr int kNestedDissectionNodes = 30000;
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // While it lives, parallel regions of OpenMP that this thread comes to run on it alone. CHOLMOD
 // wakes four threads for each of many thousand supernodes, whatever the number of cores: it was two

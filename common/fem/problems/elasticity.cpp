@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/fem/elements/internal_forces.h"
 #include "common/fem/elements/loads.h"
@@ -23,10 +24,6 @@ namespace mortise::simulator {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // What a solution is corrected to, in the norm of energy, where rounding has spoilt it.
 constexpr double kWantedError = 1e-10;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/messages/vector_codec.h"
 #include "services/fabplanner/documents/plan_files.h"
 #include "services/fabplanner/plan/bill_of_materials.h"
 
@@ -15,12 +16,6 @@ namespace {
 void SetMoney(const Money& money, v1::Money* message) {
   message->set_currency(money.currency);
   message->set_amount(money.amount);
-}
-
-void SetVector(const Eigen::Vector3d& vector, v1::Vector3* message) {
-  message->set_x(vector.x());
-  message->set_y(vector.y());
-  message->set_z(vector.z());
 }
 
 template <class Points>
@@ -97,7 +92,7 @@ void AddStep(const AssemblyStep& step, v1::Plan* plan) {
     if (!way_in.isZero() && !way_in.isApprox(move.way_in)) return;
     way_in = move.way_in;
   }
-  if (!way_in.isZero()) SetVector(way_in, message->mutable_way_in());
+  if (!way_in.isZero()) *message->mutable_way_in() = VectorToProto(way_in);
 }
 
 void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
@@ -107,7 +102,7 @@ void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
   message->set_item(part.item);
   // The two enums name the same ways in the same order, after an unspecified one.
   message->set_making(static_cast<v1::PlannedPart::Making>(static_cast<int>(planned.making) + 1));
-  SetVector(planned.size, message->mutable_size());
+  *message->mutable_size() = VectorToProto(planned.size);
   message->set_material(part.material);
   message->set_mass(part.mass);
   message->set_connecting(part.connecting);
@@ -118,8 +113,8 @@ void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
 void AddHole(const Hole& hole, v1::Plan* plan) {
   v1::Hole* message = plan->add_holes();
   message->set_part(hole.part);
-  SetVector(hole.position, message->mutable_position());
-  SetVector(hole.direction, message->mutable_direction());
+  *message->mutable_position() = VectorToProto(hole.position);
+  *message->mutable_direction() = VectorToProto(hole.direction);
   message->set_diameter(hole.diameter);
   message->set_depth(hole.depth);
   message->set_kind(static_cast<v1::Hole::Kind>(static_cast<int>(hole.kind) + 1));
@@ -172,8 +167,8 @@ v1::Plan ToProto(const FabricationPlan& plan, const Design& design) {
     v1::Mark* drawn = message.add_marks();
     drawn->set_part(mark.part);
     drawn->set_connector(mark.connector);
-    SetVector(mark.region.min(), drawn->mutable_minimum());
-    SetVector(mark.region.max(), drawn->mutable_maximum());
+    *drawn->mutable_minimum() = VectorToProto(mark.region.min());
+    *drawn->mutable_maximum() = VectorToProto(mark.region.max());
   }
   for (std::size_t i = 0; i < plan.parts.size(); ++i) {
     AddPart(plan.parts[i], design.parts[i], &message);

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
@@ -24,10 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 // By name of the metric, or text of the call.
 using Gradients = std::map<std::string, Eigen::VectorXd>;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::vector<SolidPart> PartsOf(const DesignModel& model) {
   if (!model.parts.empty()) return model.parts;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/design/metric_registry.h"
+#include "common/messages/vector_codec.h"
 
 namespace mortise::simulator {
 namespace {
@@ -22,14 +23,6 @@ v1::SolverReport ReportOf(const ElasticitySummary& summary) {
 }
 
 }  // namespace
-
-v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
-  v1::Vector3 message;
-  message.set_x(vector.x());
-  message.set_y(vector.y());
-  message.set_z(vector.z());
-  return message;
-}
 
 v1::Metric ToProto(const Metric& metric) {
   v1::Metric message;
@@ -65,13 +58,13 @@ void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
   add(BuiltInMetric::kRelativeError, outcome.relative_error);
   const double safety = outcome.part_safety_factor.minCoeff();
   if (std::isfinite(safety)) *message.add_metrics() = ToProto(Metric{kSafetyFactor, "1", safety});
-  *message.mutable_total_load() = ToProto(summary.total_load);
-  *message.mutable_total_reaction() = ToProto(summary.total_reaction);
+  *message.mutable_total_load() = VectorToProto(summary.total_load);
+  *message.mutable_total_reaction() = VectorToProto(summary.total_reaction);
   for (const Eigen::Vector3d& reaction : outcome.reactions) {
-    *message.add_reactions() = ToProto(reaction);
+    *message.add_reactions() = VectorToProto(reaction);
   }
-  *message.mutable_max_displacement_at() = ToProto(outcome.maximum_displacement_at);
-  *message.mutable_max_von_mises_at() = ToProto(outcome.maximum_von_mises_at);
+  *message.mutable_max_displacement_at() = VectorToProto(outcome.maximum_displacement_at);
+  *message.mutable_max_von_mises_at() = VectorToProto(outcome.maximum_von_mises_at);
   for (std::size_t p = 0; p < parts.size(); ++p) {
     v1::CaseResult::PartResult& part = *message.add_parts();
     part.set_name(parts[p]);
@@ -93,9 +86,9 @@ void Fill(const HeatOutcome& outcome, v1::HeatResult& message) {
 
 void Fill(const AirflowSolution& solution, const Eigen::Vector3d& wind,
           v1::AirflowResult& message) {
-  *message.mutable_wind() = ToProto(wind);
-  *message.mutable_force() = ToProto(solution.force);
-  *message.mutable_friction() = ToProto(solution.friction);
+  *message.mutable_wind() = VectorToProto(wind);
+  *message.mutable_force() = VectorToProto(solution.force);
+  *message.mutable_friction() = VectorToProto(solution.friction);
   message.set_force_swing(solution.force_swing);
   message.set_minimum_pressure(solution.minimum_pressure);
   message.set_maximum_pressure(solution.maximum_pressure);

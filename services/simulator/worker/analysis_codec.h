@@ -13,7 +13,6 @@
 
 namespace mortise::simulator {
 
-v1::Vector3 ToProto(const Eigen::Vector3d& vector);
 v1::Metric ToProto(const Metric& metric);
 
 SolverKind SolverKindOf(v1::SolverKind kind);

@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/fem/linear/stopping.h"
 #include "common/files/evaluation_settings.h"
+#include "common/messages/vector_codec.h"
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/analysis/analysis_report.h"
 #include "services/simulator/analysis/design_analysis.h"
@@ -51,8 +52,8 @@ void FillCases(const DesignAnalysis& analysis, const DesignModel& model, v1::Ana
                                               : analysis.cases[0].solution.summary.solver.unknowns);
   if (analysis.cases.size() == 1) {
     const ElasticitySummary& summary = analysis.cases[0].solution.summary;
-    *message.mutable_total_load() = ToProto(summary.total_load);
-    *message.mutable_total_reaction() = ToProto(summary.total_reaction);
+    *message.mutable_total_load() = VectorToProto(summary.total_load);
+    *message.mutable_total_reaction() = VectorToProto(summary.total_reaction);
   }
   const auto support_nodes = NodesOf(*analysis.mesh, model.analysis.supports);
   for (const SolvedCase& solved : analysis.cases) {

@@ -10,16 +10,13 @@
 #include <mutex>
 #include <thread>
 
+#include "common/base/elapsed_time.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
 namespace mortise::gateway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 void Authorize(grpc::ClientContext& context, const std::string& token) {
   if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "services/pareto/archive/hypervolume.h"
 #include "services/pareto/discovery/combined_discovery.h"
@@ -13,10 +14,6 @@ namespace mortise::pareto {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 // How often is told how far it is.
 constexpr std::int64_t kReports = 100;

@@ -6,6 +6,7 @@
 #include "common/base/errors.h"
 #include "common/design/template_validation.h"
 #include "common/files/condition_codec.h"
+#include "common/files/template_codec.h"
 #include "common/messages/proto_text.h"
 
 namespace mortise::parametric {
@@ -99,15 +100,7 @@ v1::CageTemplate ToProto(const CageTemplate& definition) {
   message.set_description(definition.description);
   message.set_material(definition.material);
   for (const Parameter& parameter : definition.parameters) {
-    v1::Parameter& entry = *message.add_parameters();
-    entry.set_name(parameter.name);
-    entry.set_title(parameter.title);
-    entry.set_description(parameter.description);
-    entry.set_unit(parameter.unit);
-    entry.set_minimum(parameter.minimum);
-    entry.set_maximum(parameter.maximum);
-    entry.set_default_value(parameter.default_value);
-    entry.set_step(parameter.step);
+    *message.add_parameters() = parametric::ToProto(parameter);
   }
   for (const CageDefinition& named : definition.definitions) {
     v1::CadDefinition& entry = *message.add_definitions();

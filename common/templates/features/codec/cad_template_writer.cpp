@@ -1,5 +1,6 @@
 // Converts structs to messages.
 #include "common/files/condition_codec.h"
+#include "common/files/template_codec.h"
 #include "common/templates/features/codec/cad_template_codec.h"
 
 namespace mortise::cad {
@@ -172,15 +173,7 @@ v1::CadTemplate ToProto(const CadTemplate& definition) {
   message.set_description(definition.description);
   message.set_material(definition.material);
   for (const parametric::Parameter& parameter : definition.parameters) {
-    v1::Parameter& entry = *message.add_parameters();
-    entry.set_name(parameter.name);
-    entry.set_title(parameter.title);
-    entry.set_description(parameter.description);
-    entry.set_unit(parameter.unit);
-    entry.set_minimum(parameter.minimum);
-    entry.set_maximum(parameter.maximum);
-    entry.set_default_value(parameter.default_value);
-    entry.set_step(parameter.step);
+    *message.add_parameters() = parametric::ToProto(parameter);
   }
   for (const Definition& entry : definition.definitions) {
     v1::CadDefinition& added = *message.add_definitions();

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/fem/elements/stiffness.h"
 #include "common/fem/linear/linear_solver.h"
@@ -26,10 +27,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr char kProgram[] = "/usr/bin/ccx";
 constexpr int kThreads = 2;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void WriteInput(const mesh::TetrahedralMesh& mesh, const Eigen::Array3Xi& fixed,
                 const Eigen::Matrix3Xd& load, const std::string& solver,

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
 #include "common/fem/elements/stiffness.h"
 #include "common/fem/linear/linear_solver.h"
@@ -14,10 +15,6 @@ namespace mortise::simulator {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A bar four times as long as thick, or a plate of three layers whose cells are four times as wide
 // as high, of about as many thousand elements.

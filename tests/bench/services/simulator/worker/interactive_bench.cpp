@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 
+#include "common/base/elapsed_time.h"
 #include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "services/simulator/worker/template_model.h"
@@ -16,10 +17,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kThreads = 2;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // The parameters at a share of the way from their defaults to their ends.
 Eigen::VectorXd Dragged(const templates::Template& function, double share) {
