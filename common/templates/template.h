@@ -94,9 +94,9 @@ class Template {
  protected:
   explicit Template(TemplateHead head) : head_(std::move(head)) {}
 
-  // As Evaluate, StructureAt, Solids and AssemblyAt, for parameters that have been checked; name,
-  // revision, digest and parameters of the design are filled in afterwards, and the structure where
-  // nothing is counted.
+  // Do as Evaluate, StructureAt, Solids and AssemblyAt, for parameters that have been checked;
+  // name, revision, digest and parameters of the design are filled in afterwards, and the structure
+  // where nothing is counted.
   virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;

@@ -7,15 +7,15 @@
 
 namespace mortise::fabplanner {
 
-// The design to make: parts, whatever their shape and whether they are of items, and pegs.
+// Reads the design to make: parts, whatever their shape and whether they are of items, and pegs.
 // INVALID_ARGUMENT naming the field at fault.
 absl::StatusOr<Design> DesignFrom(const v1::EvaluatedDesign& evaluated);
 
-// What the drawing, if it has parts, says of the design's: their sub-assemblies, titles and
+// Adds what the drawing, if it has parts, says of the design's: their sub-assemblies, titles and
 // repetitions. Parts that it does not have stay as they are.
 void AddDrawing(const v1::Assembly& assembly, Design* design);
 
-// The items of the bundle.
+// Reads the items of the bundle.
 absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle);
 
 }  // namespace mortise::fabplanner

@@ -15,7 +15,8 @@ struct ServiceEnvironment;
 
 namespace mortise::fabplanner {
 
-// For rpc::RunService. Needs a peer "catalog" and a blob folder.
+// Makes the services of this program, for rpc::RunService. Needs a peer "catalog" and a blob
+// folder.
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment);
 

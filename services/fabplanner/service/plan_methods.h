@@ -17,7 +17,8 @@ namespace mortise::fabplanner::methods {
 // Says that a request was checked.
 struct CheckedPlan {};
 
-// What is wrong with the request, and with the design at the catalog, where that can be asked now.
+// Tells what is wrong with the request, and with the design at the catalog, where that can be asked
+// now.
 absl::StatusOr<CheckedPlan> CheckPlan(const FabPlanner& planner, const rpc::Call& call,
                                       const v1::CreatePlanRequest& asked);
 absl::StatusOr<v1::Operation> CreatePlan(const FabPlanner& planner, const rpc::Call& call,

@@ -27,7 +27,7 @@ namespace mortise::fabplanner {
 // Whether a request names a template and a revision that there may be. INVALID_ARGUMENT otherwise.
 absl::Status CheckTemplate(const v1::CreatePlanRequest& request);
 
-// What can be said against a request before the catalog is asked. INVALID_ARGUMENT naming
+// Tells what can be said against a request before the catalog is asked. INVALID_ARGUMENT naming
 // every field at fault.
 absl::Status CheckRequest(const v1::CreatePlanRequest& request);
 
@@ -43,7 +43,7 @@ class PlanOperation {
   // if it cannot be asked now; Run will.
   absl::Status CheckDesign(const v1::CreatePlanRequest& request, const rpc::Origin& origin) const;
 
-  // The packed v1::Plan.
+  // Returns the packed v1::Plan.
   absl::StatusOr<std::string> Run(jobs::OperationContext& context) const;
 
  private:
@@ -51,16 +51,17 @@ class PlanOperation {
     v1::EvaluatedDesign design;
     v1::TemplateBundle bundle;
   };
-  // The bytes of a file that the catalog exports.
+  // Returns the bytes of a file that the catalog exports.
   absl::StatusOr<std::string> Export(const v1::ExportDesignRequest& request,
                                      jobs::OperationContext& context) const;
   absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
                                      jobs::OperationContext& context) const;
-  // The design as a STEP file; empty for what has no exact surfaces, such as a mesh in a cage.
+  // Returns the design as a STEP file; empty for what has no exact surfaces, such as a mesh in a
+  // cage.
   absl::StatusOr<std::string> FetchStep(const v1::EvaluatedDesign& design,
                                         jobs::OperationContext& context) const;
-  // FetchStep for a plan with drawings, which afterwards names the file among them. Where the
-  // catalog cannot make it, it is empty, and the plan says so; fails if that may pass.
+  // Fetches the step for a plan with drawings, which afterwards names the file among them. Where
+  // the catalog cannot make it, it is empty, and the plan says so; fails if that may pass.
   absl::StatusOr<std::string> AttachStep(const v1::EvaluatedDesign& design, FabricationPlan* plan,
                                          jobs::OperationContext& context) const;
   // Stores the files, and names them in the plan.

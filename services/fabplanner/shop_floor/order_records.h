@@ -30,15 +30,15 @@ absl::Status PutOrder(store::Transaction& transaction, const v1::WorkOrder& orde
 absl::Status PutCut(store::Transaction& transaction, const std::string& order_name, int index,
                     const Cut& cut);
 
-// The order without its cuts. NOT_FOUND naming it.
+// Returns the order without its cuts. NOT_FOUND naming it.
 absl::StatusOr<v1::WorkOrder> GetOrder(store::ReadTransaction& transaction,
                                        const std::string& order_name);
 
-// All cuts of the order, in cutting order.
+// Returns all cuts of the order, in cutting order.
 absl::StatusOr<std::vector<v1::WorkOrder::Cut>> GetCuts(store::ReadTransaction& transaction,
                                                         const std::string& order_name);
 
-// The order with its cuts by machine and sequence, those that wait last.
+// Returns the order with its cuts by machine and sequence, those that wait last.
 absl::StatusOr<v1::WorkOrder> GetWholeOrder(store::ReadTransaction& transaction,
                                             const std::string& order_name);
 

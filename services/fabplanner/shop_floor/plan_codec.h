@@ -10,17 +10,17 @@
 
 namespace mortise::fabplanner {
 
-// The rules with defaults where the message says zero; unchecked.
+// Returns the rules with defaults where the message says zero; unchecked.
 WorkshopRules RulesFrom(const v1::WorkshopRules& message);
 
-// What the plan of the design knows of itself; name, template, parameters, artifacts and time are
-// the caller's.
+// Writes what the plan of the design knows of itself; name, template, parameters, artifacts and
+// time are the caller's.
 v1::Plan ToProto(const FabricationPlan& plan, const Design& design);
 
-// Boards, sheets and rules of a stored plan: all that cutting needs.
+// Reads boards, sheets and rules of a stored plan: all that cutting needs.
 FabricationPlan CuttingPlanFrom(const v1::Plan& message);
 
-// A cut as it is stored and shown; `work_order` is its resource name.
+// Writes a cut as it is stored and shown; `work_order` is its resource name.
 v1::WorkOrder::Cut ToProto(const Cut& cut, const std::string& work_order);
 Cut CutFrom(const v1::WorkOrder::Cut& message);
 

@@ -20,9 +20,9 @@ class ReportLedger {
   // `stored`: reports up to this number are stored.
   explicit ReportLedger(int64_t stored = 0) : stored_(stored) {}
 
-  // The ledger of a bridge that attaches for the first time and will use `next_report_number`.
-  // Earlier reports went to a store that is gone and cannot be asked for again; those it still
-  // repeats are below the number and acknowledged unseen.
+  // Returns the ledger of a bridge that attaches for the first time and will use
+  // `next_report_number`. Earlier reports went to a store that is gone and cannot be asked for
+  // again; those it still repeats are below the number and acknowledged unseen.
   static absl::StatusOr<ReportLedger> ForNewBridge(int64_t next_report_number);
 
   // Whether a known bridge that attaches can be trusted. FAILED_PRECONDITION, reason

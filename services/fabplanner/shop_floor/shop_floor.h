@@ -42,27 +42,28 @@ class ShopFloor {
   // Reads orders under way and known bridges from the store. Once, before anything else.
   absl::Status Open();
 
-  // A bridge attaches; an older stream of the same name is ended. Sends it what it must know: the
-  // reports stored, pauses, commands that it has not accepted, new commands. Returns the number of
-  // the attachment. INVALID_ARGUMENT naming the field of a bad hello; FAILED_PRECONDITION,
-  // JOURNAL_LOST (report_ledger.h).
+  // Takes note that a bridge attaches; an older stream of the same name is ended. Sends it what it
+  // must know: the reports stored, pauses, commands that it has not accepted, new commands. Returns
+  // the number of the attachment. INVALID_ARGUMENT naming the field of a bad hello;
+  // FAILED_PRECONDITION, JOURNAL_LOST (report_ledger.h).
   absl::StatusOr<int64_t> Attach(const v1::BridgeMessage::Hello& hello, Writer writer);
 
-  // A later message of an attached bridge. Messages of a replaced attachment are ignored.
+  // Takes a later message of an attached bridge. Messages of a replaced attachment are ignored.
   absl::Status Receive(int64_t attachment, const v1::BridgeMessage& message);
 
-  // The stream of an attachment has ended.
+  // Takes note that the stream of an attachment has ended.
   void Detach(int64_t attachment);
 
   // Takes an order up, or takes over its state as it is stored now, after a release or pause; tells
   // the bridges of the pause, or gives out cuts. NOT_FOUND.
   absl::Status Refresh(const std::string& order_name);
 
-  // The same after a resumption: bridges that have cuts of the order are told to go on, those that
-  // are away when they attach. Only a person's request leads here; a line that comes back does not.
+  // Does the same after a resumption: bridges that have cuts of the order are told to go on, those
+  // that are away when they attach. Only a person's request leads here; a line that comes back does
+  // not.
   absl::Status Resumed(const std::string& order_name);
 
-  // The machine of this name that raised the alarm, as its bridge last told. NOT_FOUND;
+  // Returns the machine of this name that raised the alarm, as its bridge last told. NOT_FOUND;
   // INVALID_ARGUMENT naming what is no name, or "bridge" if several have such a machine;
   // FAILED_PRECONDITION, NO_ALARM or BRIDGE_AWAY, for nobody should clear now what moves later.
   absl::StatusOr<v1::HeldMachine> FindAlarm(const std::string& bridge_name,
@@ -86,8 +87,8 @@ class ShopFloor {
   absl::StatusOr<Standing> WaitForChange(const std::string& order_name, const Standing& known,
                                          absl::Duration timeout);
 
-  // The machines that have cuts of the order in hand and are held. None for unknown orders and
-  // those that have ended.
+  // Returns the machines that have cuts of the order in hand and are held. None for unknown orders
+  // and those that have ended.
   std::vector<v1::HeldMachine> HeldMachines(const std::string& order_name) const;
 
   // Lets go of an order that has ended; what its bridges still report finds it in the store.
@@ -96,7 +97,7 @@ class ShopFloor {
   // Orders that have not ended.
   int OrdersUnderWay() const;
 
-  // Bridges ever attached, by name.
+  // Returns the bridges that were ever attached, by name.
   std::vector<v1::ListBridgesResponse::Bridge> Bridges() const;
 
  private:

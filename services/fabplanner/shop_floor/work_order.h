@@ -39,7 +39,7 @@ enum class CutOutcome { kDone, kRejected, kFailed };
 
 enum class OrderState { kReleased, kInProgress, kHeld, kCompleted, kFailed, kCancelled };
 
-// "released", "in progress" and so on, for messages.
+// Returns "released", "in progress" and so on, for messages.
 const char* OrderStateName(OrderState state);
 
 // Whether nothing more will be given out.
@@ -78,13 +78,14 @@ struct CutReport {
   double seconds = 0;
 };
 
-// The cuts of a plan in cutting order, board by board and sheet by sheet. A board with a trim
-// begins with a cut of its own, labelled "<board>.trim", whose blade takes the last of the trim.
+// Returns the cuts of a plan in cutting order, board by board and sheet by sheet. A board with a
+// trim begins with a cut of its own, labelled "<board>.trim", whose blade takes the last of the
+// trim.
 std::vector<Cut> CutsFor(const FabricationPlan& plan);
 
 class WorkOrder {
  public:
-  // A new order, or one as it was stored.
+  // Makes a new order, or one as it was stored.
   explicit WorkOrder(std::vector<Cut> cuts, OrderState state = OrderState::kReleased);
 
   OrderState state() const { return state_; }
@@ -96,27 +97,28 @@ class WorkOrder {
   // unless RELEASED or IN_PROGRESS.
   std::vector<int> GiveOut(const std::vector<MachineAddress>& attached);
 
-  // The cuts to send again to a bridge that attaches or goes on: SENT and not accepted, in order.
-  // Nothing unless IN_PROGRESS.
+  // Returns the cuts to send again to a bridge that attaches or goes on: SENT and not accepted, in
+  // order. Nothing unless IN_PROGRESS.
   std::vector<int> CutsToSendAgain(const std::string& bridge) const;
 
-  // The bridges that have cuts in hand.
+  // Returns the bridges that have cuts in hand.
   std::set<std::string> Bridges() const;
 
-  // The bridge has the cut in its journal. The index of the cut if that is news.
+  // Takes note that the bridge has the cut in its journal. Returns the index of the cut if that is
+  // news.
   std::optional<int> Accept(const std::string& bridge, const std::string& machine,
                             int64_t sequence);
 
-  // A cut ended. The index of the cut if that is news; nothing for a repetition or a cut that this
-  // order never gave out. The last cut completes the order; one that was rejected or failed fails
-  // it, because a person must look before the stock is touched again.
+  // Takes note that a cut ended. Returns the index of the cut if that is news; nothing for a
+  // repetition or a cut that this order never gave out. The last cut completes the order; one that
+  // was rejected or failed fails it, because a person must look before the stock is touched again.
   std::optional<int> Report(const std::string& bridge, const CutReport& report);
 
-  // Pauses: nothing more is given out. OK if it is held already; FAILED_PRECONDITION, reason
-  // WORK_ORDER_FINISHED, if it has ended. `name` is for messages.
+  // Pauses the order: nothing more is given out. OK if it is held already; FAILED_PRECONDITION,
+  // reason WORK_ORDER_FINISHED, if it has ended. `name` is for messages.
   absl::Status Hold(const std::string& name);
 
-  // Goes on. OK if it is not held; FAILED_PRECONDITION as above.
+  // Lets the order go on. OK if it is not held; FAILED_PRECONDITION as above.
   absl::Status Resume(const std::string& name);
 
   // Gives up: OK if it is cancelled already; FAILED_PRECONDITION if it has ended otherwise.
@@ -125,7 +127,7 @@ class WorkOrder {
   // Takes over a state that was stored meanwhile by Hold, Resume or Cancel.
   void Adopt(OrderState state) { state_ = state; }
 
-  // Why it failed, for people: the first cut that did not work out; empty if none.
+  // Returns why it failed, for people: the first cut that did not work out; empty if none.
   std::string Trouble() const;
 
  private:

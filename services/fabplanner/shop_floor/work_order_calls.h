@@ -23,8 +23,8 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
                                              jobs::Operations& operations,
                                              store::Transaction& transaction);
 
-// Pauses or goes on; returns the order with its cuts. NOT_FOUND; FAILED_PRECONDITION,
-// WORK_ORDER_FINISHED. ShopFloor::Refresh must follow the commit.
+// Pauses an order, or lets it go on; returns the order with its cuts. NOT_FOUND;
+// FAILED_PRECONDITION, WORK_ORDER_FINISHED. ShopFloor::Refresh must follow the commit.
 absl::StatusOr<v1::WorkOrder> HoldOrder(const std::string& name, store::Transaction& transaction);
 absl::StatusOr<v1::WorkOrder> ResumeOrder(const std::string& name, store::Transaction& transaction);
 

@@ -28,8 +28,8 @@ class CustomMetrics {
   // where a metric fails that it needs, as that.
   absl::StatusOr<Metric> Compute(const std::string& name) const;
 
-  // Its gradient by the chain rule from those that are known, by metric or ToText of the call;
-  // nothing if one is missing that it needs, or it has none here, as at the root of 0.
+  // Returns its gradient by the chain rule from those that are known, by metric or ToText of the
+  // call; nothing if one is missing that it needs, or it has none here, as at the root of 0.
   std::optional<Eigen::VectorXd> Gradient(
       const std::string& name, const std::map<std::string, Eigen::VectorXd>& known) const;
 

@@ -61,7 +61,7 @@ struct MetricDemands {
   bool surface = false;  // the joined surface of the parts
 };
 
-// `own` are metrics that are offered besides.
+// Returns what must be known to tell `metrics`; `own` are metrics that are offered besides.
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
                         const parametric::MetricExpressions& own = {});
 

@@ -86,9 +86,9 @@ struct MeshAnalysis {
 // Takes a file as soon as it is made; its failure ends the analysis.
 using KeepFile = std::function<absl::Status(AnalysisFile file)>;
 
-// Files, none where the model is refused before anything is computed: case.json, first; heat.vtu
-// and heat.png; for each load case and combination its number, from 1, and its name in plain
-// letters, as in 1-weight.vtu and 1-weight.png; modes.vtu; probes.csv.
+// Analyses a mesh, and keeps files, none where the model is refused before anything is computed:
+// case.json, first; heat.vtu and heat.png; for each load case and combination its number, from 1,
+// and its name in plain letters, as in 1-weight.vtu and 1-weight.png; modes.vtu; probes.csv.
 //
 // Errors: INVALID_ARGUMENT with fields as in mortise.v1.MeshCase, below "case", or "mesh_file";
 // FAILED_PRECONDITION, reasons RIGID_MOTION, SINGULAR, FREE_TEMPERATURE, NOT_CONVERGED;

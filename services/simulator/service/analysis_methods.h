@@ -15,9 +15,9 @@
 
 namespace mortise::simulator::methods {
 
-// The task of a request for the analysis of a design, as a worker will get it: with the template's
-// revision and all parameters. Fails at once, with the field, where the geometry is impossible or
-// nothing holds it. Slow: it runs before the transaction.
+// Makes the task of a request for the analysis of a design, as a worker will get it: with the
+// template's revision and all parameters. Fails at once, with the field, where the geometry is
+// impossible or nothing holds it. Slow: it runs before the transaction.
 absl::StatusOr<v1::Task> PrepareDesign(const Simulator& simulator, const rpc::Call& call,
                                        const v1::AnalyzeDesignRequest& asked);
 
@@ -25,8 +25,8 @@ absl::StatusOr<v1::Operation> AnalyzeDesign(const Simulator& simulator, const rp
                                             const v1::AnalyzeDesignRequest& asked, v1::Task& task,
                                             store::Transaction& transaction);
 
-// The task of a request for the analysis of a mesh: the catalog's numbers take the place of its
-// materials' names. INVALID_ARGUMENT as CheckMeshCase, NOT_FOUND for unknown materials,
+// Makes the task of a request for the analysis of a mesh: the catalog's numbers take the place of
+// its materials' names. INVALID_ARGUMENT as CheckMeshCase, NOT_FOUND for unknown materials,
 // UNAVAILABLE. Slow: it runs before the transaction.
 absl::StatusOr<v1::Task> PrepareMesh(const Simulator& simulator, const rpc::Call& call,
                                      const v1::AnalyzeMeshRequest& asked);

@@ -22,8 +22,8 @@ struct DifferenceStencil {
   bool IsEmpty() const { return offsets[0] == 0; }
 };
 
-// For each parameter of a point within the space: `step`, up to 0.1 of its range, to either side,
-// or where a bound is nearer than that, one and two steps to the other side.
+// Returns for each parameter of a point within the space: `step`, up to 0.1 of its range, to either
+// side, or where a bound is nearer than that, one and two steps to the other side.
 std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
                                               const v1::DesignPoint& point, double step);
 
@@ -31,8 +31,9 @@ std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
 v1::DesignPoint PointAtOffset(const v1::DesignSpace& space, const v1::DesignPoint& point,
                               int parameter, double offset);
 
-// The slope at 0 of the parabola through `at` and the values at both offsets: exact for quadratic
-// functions. With one of them that of the line, with none nothing; 0 for an empty stencil.
+// Returns the slope at 0 of the parabola through `at` and the values at both offsets: exact for
+// quadratic functions. With one of them that of the line, with none nothing; 0 for an empty
+// stencil.
 std::optional<double> SlopeAt(double at, const DifferenceStencil& stencil,
                               const std::array<std::optional<double>, 2>& values);
 

@@ -19,7 +19,7 @@ namespace mortise::simulator {
 class EvaluationBatch : public std::enable_shared_from_this<EvaluationBatch> {
  public:
   using Writer = std::shared_ptr<rpc::StreamWriter<v1::EvaluationResult>>;
-  // Called once, on whichever thread learns of the result.
+  // Is called once, on whichever thread learns of the result.
   using Receiver = std::function<void(v1::EvaluationResult result)>;
 
   struct Evaluation {
@@ -38,8 +38,8 @@ class EvaluationBatch : public std::enable_shared_from_this<EvaluationBatch> {
   // Sends the result of a point.
   void Send(const v1::EvaluationResult& result);
 
-  // Nobody reads any more: what only this stream wanted is not begun, and what is under way is
-  // stopped, unless it is asked for again within a moment, as after a restart.
+  // Says that nobody reads any more: what only this stream wanted is not begun, and what is under
+  // way is stopped, unless it is asked for again within a moment, as after a restart.
   void Abandon();
 
  private:
@@ -69,12 +69,12 @@ class EvaluationBatch : public std::enable_shared_from_this<EvaluationBatch> {
   std::vector<Waiting> waiting_;  // guarded by mutex_; their tasks have been queued
 };
 
-// What a point gives that could not be evaluated.
+// Returns what a point gives that could not be evaluated.
 v1::EvaluationResult FailedResult(const absl::Status& status);
 
-// For the evaluation of `task`, which asks for gradients: adds to its result, by differences of
-// `step`, those that are missing, and gives it to `receive`. What is beside a point is evaluated
-// after the point, so that nothing is wasted on one that cannot be.
+// Makes the receiver for the evaluation of `task`, which asks for gradients: adds to its result, by
+// differences of `step`, those that are missing, and gives it to `receive`. What is beside a point
+// is evaluated after the point, so that nothing is wasted on one that cannot be.
 EvaluationBatch::Receiver WithDifferences(const std::shared_ptr<EvaluationBatch>& batch,
                                           const std::shared_ptr<const v1::DesignSpace>& space,
                                           const v1::Task& task, double step,

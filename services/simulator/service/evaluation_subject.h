@@ -22,7 +22,7 @@ struct EvaluationSubject {
   std::string queue = {};      // where its tasks go
 };
 
-// A revision of templates/{id} or evaluators/{id}, the latest for 0, with the metrics that a
+// Finds a revision of templates/{id} or evaluators/{id}, the latest for 0, with the metrics that a
 // request defines. INVALID_ARGUMENT naming "subject" or what is wrong below "metric_definitions";
 // NOT_FOUND; UNAVAILABLE while the catalog cannot be reached.
 absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::string& name,
@@ -43,8 +43,8 @@ absl::Status CheckPoint(const v1::DesignSpace& space, const v1::DesignPoint& poi
 absl::Status CompleteResult(const v1::Task& task, const v1::DesignSpace& space,
                             v1::EvaluationResult& result);
 
-// Which numbers of a result are NaN or infinite, for people: "mass", "the gradient of mass, the
-// gradient of cost". Empty if all are finite.
+// Tells which numbers of a result are NaN or infinite, for people: "mass", "the gradient of mass,
+// the gradient of cost". Empty if all are finite.
 std::string WhatIsNotFinite(const v1::EvaluationResult& result);
 
 }  // namespace mortise::simulator

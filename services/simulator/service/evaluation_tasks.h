@@ -18,11 +18,11 @@ namespace mortise::simulator {
 // The queue of our own evaluator, in the store and in LeaseTasks.
 inline constexpr char kSimulatorQueue[] = "simulator";
 
-// The key of an evaluator's task: its id, a dot and the digest of what is evaluated. Keys of our
-// own tasks have no dot, so that a key, and with it a task's name, tells its queue.
+// Returns the key of an evaluator's task: its id, a dot and the digest of what is evaluated. Keys
+// of our own tasks have no dot, so that a key, and with it a task's name, tells its queue.
 std::string TaskKeyIn(const std::string& queue, const std::string& digest);
 
-// The queue of a task: "simulator", or "evaluators/{id}".
+// Returns the queue of a task: "simulator", or "evaluators/{id}".
 std::string QueueOf(const std::string& key);
 
 // Whether the task will not change any more.
@@ -43,8 +43,8 @@ struct FoundTask {
   bool known_before = false;            // it has a result that was computed before
 };
 
-// The tasks under the keys, queued by this call if they were not there. Those that failed for a
-// passing reason, for a limit of time or for want of OpenFOAM or Gmsh, or were cancelled, are
+// Returns the tasks under the keys, queued by this call if they were not there. Those that failed
+// for a passing reason, for a limit of time or for want of OpenFOAM or Gmsh, or were cancelled, are
 // queued afresh.
 absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
                                                      const std::vector<WantedTask>& wanted);
@@ -66,7 +66,7 @@ class TaskWaiters {
   // Hands a finished task to all who wait for it.
   void Notify(const store::Task& task, bool known_before);
 
-  // The tasks waited for, in ascending order.
+  // Returns the tasks waited for, in ascending order.
   std::vector<std::string> Keys() const;
 
  private:
@@ -75,11 +75,11 @@ class TaskWaiters {
   std::map<std::string, std::map<int64_t, Callback>> callbacks_;  // guarded by mutex_
 };
 
-// A status as bytes for the store's error column, and back; unknown bytes become INTERNAL.
+// Writes a status as bytes for the store's error column, and back; unknown bytes become INTERNAL.
 std::string EncodeError(const absl::Status& status);
 absl::Status DecodeError(const std::string& bytes);
 
-// Why a finished task has no result; OK if it has.
+// Returns why a finished task has no result; OK if it has.
 absl::Status TaskError(const store::Task& task);
 
 }  // namespace mortise::simulator

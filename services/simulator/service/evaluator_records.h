@@ -35,7 +35,7 @@ absl::StatusOr<v1::Evaluator> CreateEvaluator(store::Transaction& transaction,
 absl::Status DeleteEvaluator(store::Transaction& transaction, const std::string& name,
                              const resources::Author& author);
 
-// A digest of everything that results depend on: name, version and design space.
+// Returns a digest of everything that results depend on: name, version and design space.
 std::string EvaluatorDigest(const v1::Evaluator& evaluator);
 
 }  // namespace mortise::simulator

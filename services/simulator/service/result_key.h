@@ -12,9 +12,10 @@ namespace mortise::simulator {
 // 4: stress on surfaces from the strain along them and the traction.
 inline constexpr int kPhysicsVersion = 4;
 
-// The key of an evaluation's task in its queue: of the subject's digest, the exact parameters, the
-// metrics and whether their gradients are wanted, what the request defines, and all settings. Those
-// of our own evaluator depend on the version of its physics, those of others do not.
+// Returns the key of an evaluation's task in its queue: of the subject's digest, the exact
+// parameters, the metrics and whether their gradients are wanted, what the request defines, and all
+// settings. Those of our own evaluator depend on the version of its physics, those of others do
+// not.
 std::string ResultKey(const v1::Task& task, int physics_version = kPhysicsVersion);
 
 }  // namespace mortise::simulator

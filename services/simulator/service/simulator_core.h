@@ -34,7 +34,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   TemplateSource& templates() { return *templates_; }
   LeasedTaskCache& leased_tasks() { return leased_tasks_; }
 
-  // A material of the catalog. NOT_FOUND, UNAVAILABLE.
+  // Returns a material of the catalog. NOT_FOUND, UNAVAILABLE.
   absl::StatusOr<v1::Material> GetMaterial(const std::string& name, const rpc::Origin& origin);
 
   // Calls made in the background, as this service.
@@ -89,7 +89,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
                         const std::vector<store::Task>& leased);
   void AskIdleWorkers();
   void LookAtStore();
-  // Some of the keys, which ascend: those after the ones of the last look, round and round.
+  // Returns some of the keys, which ascend: those after the ones of the last look, round and round.
   std::vector<std::string> NextOf(const std::vector<std::string>& keys);
   void Cancel(const std::string& key, bool even_if_leased);
 

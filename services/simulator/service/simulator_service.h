@@ -9,7 +9,7 @@
 
 namespace mortise::simulator {
 
-// Needs --peer catalog=ADDRESS.
+// Makes the services of this program; it needs --peer catalog=ADDRESS.
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment);
 

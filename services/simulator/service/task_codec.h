@@ -6,7 +6,8 @@
 
 namespace mortise::simulator {
 
-// The task's payload (a serialised v1.Task without its name) with name, attempt, lease and state.
+// Returns the task's payload (a serialised v1.Task without its name) with name, attempt, lease and
+// state.
 v1::Task ToProto(const store::Task& task);
 
 }  // namespace mortise::simulator

@@ -20,13 +20,13 @@ absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(const Simulator& simulator,
                                                     const rpc::Call& call,
                                                     const v1::RenewLeasesRequest& asked);
 
-// What a worker says of its attempt becomes the task's end, or its next try. It may hold numbers
-// that are not finite: then the task has failed with NOT_FINITE, and the report is INVALID_ARGUMENT
-// with their fields.
+// Takes what a worker says of its attempt, which becomes the task's end or its next try. It may
+// hold numbers that are not finite: then the task has failed with NOT_FINITE, and the report is
+// INVALID_ARGUMENT with their fields.
 absl::StatusOr<v1::ReportTaskResponse> ReportTask(const Simulator& simulator, const rpc::Call& call,
                                                   const v1::ReportTaskRequest& asked);
 
-// Why a report with numbers that are not finite cannot be used. It is settled all the same: whoever
+// Refuses a report with numbers that are not finite. It is settled all the same: whoever
 // waits for the task shall hear of it at once, not when the worker's lease has run out.
 absl::Status RefuseReport(const Simulator& simulator, const rpc::Call& call,
                           const v1::ReportTaskRequest& asked);

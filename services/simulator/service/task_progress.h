@@ -21,12 +21,12 @@ absl::Status CheckProgress(const v1::TaskProgress& progress, const std::string& 
 absl::Status KeepProgress(store::Transaction& transaction, const std::string& key,
                           const v1::TaskAttempt& told);
 
-// What the present attempt has told; absent if nothing, or if its lease is over.
+// Returns what the present attempt has told; absent if nothing, or if its lease is over.
 absl::StatusOr<std::optional<v1::TaskProgress>> FindProgress(store::ReadTransaction& transaction,
                                                              const store::Task& task,
                                                              absl::Time now);
 
-// The keys of tasks of which something was told and that have ended or are gone.
+// Returns the keys of tasks of which something was told and that have ended or are gone.
 absl::StatusOr<std::vector<std::string>> FindOldProgress(store::ReadTransaction& transaction);
 
 // Removes what was told of a task; OK if nothing was.

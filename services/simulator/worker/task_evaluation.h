@@ -25,7 +25,7 @@ struct TaskContext {
   // Stores a file of the analysis at once; it becomes one of the analysis's artifacts.
   std::function<absl::Status(const AnalysisFile& file)> keep;
 
-  // The bytes of an uploaded file; RESOURCE_EXHAUSTED past `limit`.
+  // Returns the bytes of an uploaded file; RESOURCE_EXHAUSTED past `limit`.
   std::function<absl::StatusOr<std::string>(const std::string& sha256, double limit)> fetch;
 
   double memory_limit = 8e9;  // bytes

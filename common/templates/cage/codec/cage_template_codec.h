@@ -16,7 +16,7 @@ namespace mortise::parametric {
 // flux and a temperature or neither. Whether the content makes sense is for ValidateCageTemplate.
 absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message);
 
-// Nothing is lost: FromProto(ToProto(t)) has the content of t.
+// Writes a template; nothing is lost: FromProto(ToProto(t)) has the content of t.
 v1::CageTemplate ToProto(const CageTemplate& definition);
 
 // Reads the text of one file. INVALID_ARGUMENT naming `origin` with every line and column at fault,

@@ -16,7 +16,7 @@ namespace mortise::cad {
 // sense is for ValidateCadTemplate.
 absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message);
 
-// Nothing is lost: FromProto(ToProto(t)) has the content of t.
+// Writes a template; nothing is lost: FromProto(ToProto(t)) has the content of t.
 v1::CadTemplate ToProto(const CadTemplate& definition);
 
 // Reads the text of one file. INVALID_ARGUMENT naming `origin` with every line and column at fault,
