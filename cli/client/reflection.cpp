@@ -63,8 +63,9 @@ class Reflection::Database : public google::protobuf::DescriptorDatabase {
           return true;
         }));
     auto response = std::make_unique<UnknownFieldSet>();
-    if (!response->ParseFromString(answer))
+    if (!response->ParseFromString(answer)) {
       return absl::DataLossError("reflection: malformed answer");
+    }
     if (const std::string* error = Bytes(*response, kResponseError)) {
       UnknownFieldSet details;
       details.ParseFromString(*error);

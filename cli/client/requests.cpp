@@ -73,10 +73,11 @@ absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string
   const std::vector<std::string> halves = absl::StrSplit(text, '=');
   const std::vector<std::string> ends =
       halves.size() == 2 ? absl::StrSplit(halves[1], ':') : std::vector<std::string>();
-  if (ends.size() != 2 || halves[0].empty() || (ends[0].empty() && ends[1].empty()))
+  if (ends.size() != 2 || halves[0].empty() || (ends[0].empty() && ends[1].empty())) {
     return InvalidField(
         option,
         absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH, NAME=LOW: or NAME=:HIGH"));
+  }
   NamedRange range{halves[0], std::nullopt, std::nullopt};
   const std::string field = absl::StrCat(option, " ", range.name);
   if (!ends[0].empty()) {

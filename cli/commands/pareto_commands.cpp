@@ -53,8 +53,9 @@ using Bound = v1::DiscoverySpecification::Bound;
 absl::StatusOr<std::pair<std::string, std::string>> SplitAssignment(const std::string& text,
                                                                     const std::string& option) {
   const std::size_t split = text.find('=');
-  if (split == std::string::npos || split == 0 || split + 1 == text.size())
+  if (split == std::string::npos || split == 0 || split + 1 == text.size()) {
     return InvalidField(option, absl::StrCat("'", text, "' is not of the form NAME=VALUE"));
+  }
   return std::pair(text.substr(0, split), text.substr(split + 1));
 }
 
@@ -75,15 +76,17 @@ absl::Status AddFixed(const std::string& text, Bound& bound) {
 absl::Status AddAllowed(const std::string& text, Bound& bound) {
   MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--allow"));
   bound.set_parameter(assigned.first);
-  for (const absl::string_view name : absl::StrSplit(assigned.second, ','))
+  for (const absl::string_view name : absl::StrSplit(assigned.second, ',')) {
     bound.add_choices(std::string(name));
+  }
   return absl::OkStatus();
 }
 
 absl::Status AddRange(const std::string& text, Bound& bound) {
   MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--range", ParseQuantity));
-  if (!range.low || !range.high)
+  if (!range.low || !range.high) {
     return InvalidField("--range", absl::StrCat("'", text, "' is not of the form NAME=LOW:HIGH"));
+  }
   bound.set_parameter(range.name);
   bound.set_minimum(*range.low);
   bound.set_maximum(*range.high);
@@ -94,10 +97,12 @@ absl::Status AddBounds(const RunOptions& options, v1::DiscoverySpecification& sp
                        FieldSources& sources) {
   const auto add_each = [&](const std::string& option, const std::vector<std::string>& texts,
                             absl::Status (*add)(const std::string&, Bound&)) {
-    if (!texts.empty())
+    if (!texts.empty()) {
       sources.AddEach("specification.bounds", option, texts, specification.bounds_size());
-    for (const std::string& text : texts)
+    }
+    for (const std::string& text : texts) {
       MORTISE_RETURN_IF_ERROR(add(text, *specification.add_bounds()));
+    }
     return absl::OkStatus();
   };
   MORTISE_RETURN_IF_ERROR(add_each("--fix", options.fix, AddFixed));
@@ -130,10 +135,11 @@ absl::Status AddTolerances(const RunOptions& options, v1::DiscoverySpecification
     const std::size_t equals = text.find('='), colon = text.find(':');
     const std::string kind = colon == std::string::npos ? "" : text.substr(colon + 1);
     if (equals == std::string::npos || equals == 0 ||
-        (colon != std::string::npos && kind != "normal"))
+        (colon != std::string::npos && kind != "normal")) {
       return InvalidField("--tolerance", absl::StrCat("'", text,
                                                       "' is not of the form NAME=VALUE or "
                                                       "NAME=VALUE:normal"));
+    }
     auto& tolerance = *specification.add_tolerances();
     tolerance.set_parameter(text.substr(0, equals));
     MORTISE_ASSIGN_OR_RETURN(
@@ -145,6 +151,26 @@ absl::Status AddTolerances(const RunOptions& options, v1::DiscoverySpecification
     tolerance.set_distribution(kind.empty() ? Tolerance::UNIFORM : Tolerance::NORMAL);
   }
   return absl::OkStatus();
+}
+
+void AddObjectives(const RunOptions& options, v1::DiscoverySpecification& specification,
+                   FieldSources& sources) {
+  if (!options.minimize.empty() || !IsFile(options)) {
+    sources.AddEach("specification.objectives", "--minimize", options.minimize,
+                    specification.objectives_size());
+  }
+  for (const std::string& metric : options.minimize) {
+    specification.add_objectives()->set_metric(metric);
+  }
+  if (!options.maximize.empty()) {
+    sources.AddEach("specification.objectives", "--maximize", options.maximize,
+                    specification.objectives_size());
+  }
+  for (const std::string& metric : options.maximize) {
+    v1::DiscoverySpecification::Objective* const objective = specification.add_objectives();
+    objective->set_metric(metric);
+    objective->set_maximize(true);
+  }
 }
 
 // `sources` learns what gave which field.
@@ -163,22 +189,7 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
     specification.set_seed(options.seed);
     specification.set_evaluations(200);
   }
-  if (!options.minimize.empty() || !IsFile(options)) {
-    sources.AddEach("specification.objectives", "--minimize", options.minimize,
-                    specification.objectives_size());
-  }
-  for (const std::string& metric : options.minimize) {
-    specification.add_objectives()->set_metric(metric);
-  }
-  if (!options.maximize.empty()) {
-    sources.AddEach("specification.objectives", "--maximize", options.maximize,
-                    specification.objectives_size());
-  }
-  for (const std::string& metric : options.maximize) {
-    v1::DiscoverySpecification::Objective* const objective = specification.add_objectives();
-    objective->set_metric(metric);
-    objective->set_maximize(true);
-  }
+  AddObjectives(options, specification, sources);
   if (!options.own.define.empty() || !options.own.point.empty()) {
     MORTISE_ASSIGN_OR_RETURN(*specification.mutable_metric_definitions(),
                              ParseMetricDefinitions(options.own));
@@ -201,11 +212,13 @@ absl::StatusOr<v1::DiscoverySpecification> Specification(const RunOptions& optio
     specification.set_deviations(options.deviations);
     sources.Add("specification.deviations", "--deviations");
   }
-  if (!options.start_from.empty())
+  if (!options.start_from.empty()) {
     sources.AddEach("specification.start_from", "--start-from", options.start_from,
                     specification.start_from_size());
-  for (const std::string& front : options.start_from)
+  }
+  for (const std::string& front : options.start_from) {
     specification.add_start_from(ResourceName("fronts", front));
+  }
   return specification;
 }
 
@@ -227,8 +240,9 @@ std::string ParameterText(const v1::Front& front, int parameter, double value) {
   const int known = parameter < front.parameter_choices_size()
                         ? front.parameter_choices(parameter).names_size()
                         : 0;
-  if (value >= 0 && value < known)
+  if (value >= 0 && value < known) {
     return front.parameter_choices(parameter).names(static_cast<int>(value));
+  }
   return absl::StrFormat("%.4g", value);
 }
 
@@ -245,22 +259,25 @@ std::string DesignText(const v1::Front& front, const v1::EvaluationFailure& fail
 
 void PrintFront(const v1::Front& front, const Output& output) {
   std::string beyond;
-  if (front.violating_evaluations() > 0)
+  if (front.violating_evaluations() > 0) {
     beyond = absl::StrCat(", ", front.violating_evaluations(), " beyond constraints");
+  }
   output.Line(absl::StrFormat("%s: %d points in %d pieces, %d evaluations (%d failed%s), %s",
                               front.name(), front.point_count(), front.pieces(),
                               front.evaluations(), front.failed_evaluations(), beyond,
                               front.stop_reason()));
   const v1::FrontCombinations& combinations = front.combinations();
-  if (combinations.possible() > 1)
+  if (combinations.possible() > 1) {
     output.Line(
         absl::StrFormat("  %d of %d combinations of choices and whole numbers tried, %d given up",
                         combinations.tried(), combinations.possible(), combinations.given_up()));
-  if (front.subject_evaluations() > front.evaluations())
+  }
+  if (front.subject_evaluations() > front.evaluations()) {
     output.Line(absl::StrFormat(
         "  %d designs, %d evaluations: metrics are means over the "
         "tolerances, worse by %g deviations",
         front.evaluations(), front.subject_evaluations(), front.specification().deviations()));
+  }
   for (const std::string& remark : front.remarks()) output.Line(absl::StrCat("  ", remark));
   for (const v1::EvaluationFailure& failure : front.failures()) {
     output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
@@ -275,22 +292,28 @@ void PrintFront(const v1::Front& front, const Output& output) {
   }
   std::vector<std::string> titles(front.metric_names().begin(), front.metric_names().end());
   const bool robust = front.specification().tolerances_size() > 0;
-  for (int i = 0; robust && i < front.metric_names_size(); ++i)
+  for (int i = 0; robust && i < front.metric_names_size(); ++i) {
     titles.push_back(absl::StrCat("deviation of ", front.metric_names(i)));
-  for (const auto& constraint : front.specification().constraints())
+  }
+  for (const auto& constraint : front.specification().constraints()) {
     titles.push_back(constraint.metric());
+  }
   titles.insert(titles.end(), front.parameter_names().begin(), front.parameter_names().end());
   std::vector<std::vector<std::string>> rows;
   for (const v1::FrontPoint& point : front.points()) {
     std::vector<std::string>& row = rows.emplace_back();
-    for (int i = 0; i < point.metrics_size(); ++i)
+    for (int i = 0; i < point.metrics_size(); ++i) {
       row.push_back(MetricText(MetricOf(front.metric_units(i), point.metrics(i))));
-    for (int i = 0; i < point.metric_deviations_size(); ++i)
+    }
+    for (int i = 0; i < point.metric_deviations_size(); ++i) {
       row.push_back(MetricText(MetricOf(front.metric_units(i), point.metric_deviations(i))));
-    for (int i = 0; i < point.constraint_metrics_size(); ++i)
+    }
+    for (int i = 0; i < point.constraint_metrics_size(); ++i) {
       row.push_back(MetricText(MetricOf(front.constraint_units(i), point.constraint_metrics(i))));
-    for (int i = 0; i < point.parameters_size(); ++i)
+    }
+    for (int i = 0; i < point.parameters_size(); ++i) {
       row.push_back(ParameterText(front, i, point.parameters(i)));
+    }
   }
   output.Table(titles, rows);
 }

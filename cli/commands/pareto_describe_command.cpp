@@ -41,13 +41,15 @@ absl::Status Describe(const std::string& subject, Session& session, Output& outp
     return rpc::FromGrpc(stub->DescribeDesignSpace(&context, request, &space));
   }));
   std::vector<std::vector<std::string>> rows;
-  for (const auto& parameter : space.parameters())
+  for (const auto& parameter : space.parameters()) {
     rows.push_back(
         {parameter.name(), parameter.unit(), ValuesText(parameter), DefaultText(parameter)});
+  }
   output.Table({"parameter", "unit", "values", "default"}, rows);
   rows.clear();
-  for (const auto& metric : space.metrics())
+  for (const auto& metric : space.metrics()) {
     rows.push_back({metric.name(), metric.unit(), metric.description()});
+  }
   output.Table({"metric", "unit", "description"}, rows);
   output.DocumentOf(space);
   return absl::OkStatus();

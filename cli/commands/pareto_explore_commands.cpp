@@ -51,8 +51,9 @@ absl::Status AddPlace(const std::string& at, v1::PickPointRequest& request) {
   for (const absl::string_view coordinate : absl::StrSplit(at, ',')) {
     const absl::string_view digits = absl::StripAsciiWhitespace(coordinate);
     const auto value = DecimalNumber(std::string_view(digits.data(), digits.size()));
-    if (!value)
+    if (!value) {
       return InvalidField("--at", absl::StrCat("'", at, "' is neither METRIC=VALUE nor numbers"));
+    }
     request.add_embedding(*value);
   }
   return absl::OkStatus();
@@ -67,22 +68,26 @@ std::string Signed(const std::string& text) {
 std::string ImprovementText(const v1::PickPointResponse& response,
                             const v1::FrontImprovement& improvement) {
   double size = 1;
-  for (const v1::Metric& metric : response.metrics())
-    if (metric.name() == improvement.metric() && metric.value() != 0)
+  for (const v1::Metric& metric : response.metrics()) {
+    if (metric.name() == improvement.metric() && metric.value() != 0) {
       size = kSmallStep * std::abs(metric.value());
+    }
+  }
   std::string own;
   std::vector<std::string> others;
   for (v1::Metric change : improvement.metrics()) {
     change.set_value(change.value() * size);
     const std::string text = absl::StrCat(change.name(), " ", Signed(MetricText(change)));
-    if (change.name() == improvement.metric())
+    if (change.name() == improvement.metric()) {
       own = text;
-    else
+    } else {
       others.push_back(text);
+    }
   }
   std::vector<const v1::FrontImprovement::ParameterChange*> changes;
-  for (const auto& change : improvement.parameters())
+  for (const auto& change : improvement.parameters()) {
     if (change.share() >= kNamedShare) changes.push_back(&change);
+  }
   std::ranges::stable_sort(changes, [](auto* a, auto* b) { return a->share() > b->share(); });
   const std::string parameters =
       absl::StrJoin(changes, ", ", [](std::string* out, const auto* change) {
@@ -94,8 +99,9 @@ std::string ImprovementText(const v1::PickPointResponse& response,
 
 void PrintPick(const v1::PickPointResponse& response, const Output& output) {
   std::vector<std::vector<std::string>> rows;
-  for (const v1::Metric& metric : response.metrics())
+  for (const v1::Metric& metric : response.metrics()) {
     rows.push_back({metric.name(), MetricText(metric)});
+  }
   for (int i = 0; i < response.parameters_size(); ++i) {
     const v1::ParameterValue& value = response.parameters(i);
     const bool is_choice =
@@ -108,19 +114,22 @@ void PrintPick(const v1::PickPointResponse& response, const Output& output) {
                            ", next to ", absl::StrJoin(response.neighbours(), ", ")));
   if (response.improvements().empty()) return;
   output.Line("To improve by a hundredth:");
-  for (const v1::FrontImprovement& improvement : response.improvements())
+  for (const v1::FrontImprovement& improvement : response.improvements()) {
     output.Line(absl::StrCat("  ", ImprovementText(response, improvement)));
+  }
 }
 
 absl::Status Pick(const PickOptions& options, Session& session, Output& output) {
   v1::PickPointRequest request;
   request.set_name(ResourceName("fronts", options.front));
-  if (options.at.empty() == !options.index)
+  if (options.at.empty() == !options.index) {
     return InvalidField("--at", "give either --at or --index");
-  if (options.index)
+  }
+  if (options.index) {
     request.set_index(*options.index);
-  else
+  } else {
     MORTISE_RETURN_IF_ERROR(AddPlace(options.at, request));
+  }
   request.set_improve(options.improve);
   request.set_steps(options.steps);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
@@ -148,16 +157,19 @@ void PrintPart(const v1::RestrictFrontResponse& response, const Output& output) 
       absl::StrFormat("%d points in %d pieces remain", response.points_size(), response.pieces()));
   for (const std::string& remark : response.remarks()) output.Line(remark);
   std::vector<std::vector<std::string>> rows;
-  for (const v1::RestrictFrontResponse::Range& range : response.metrics())
+  for (const v1::RestrictFrontResponse::Range& range : response.metrics()) {
     rows.push_back({range.name(), MetricText(MetricOf(range.unit(), range.minimum())),
                     MetricText(MetricOf(range.unit(), range.maximum()))});
-  for (const v1::RestrictFrontResponse::Range& range : response.parameters())
+  }
+  for (const v1::RestrictFrontResponse::Range& range : response.parameters()) {
     rows.push_back({range.name(), absl::StrFormat("%.6g", range.minimum()),
                     absl::StrFormat("%.6g", range.maximum())});
+  }
   if (!rows.empty()) output.Table({"name", "from", "to"}, rows);
-  for (const v1::RestrictFrontResponse::Conflict& conflict : response.conflicts())
+  for (const v1::RestrictFrontResponse::Conflict& conflict : response.conflicts()) {
     output.Line(absl::StrFormat("%s and %s: correlation %.2f", conflict.first(), conflict.second(),
                                 conflict.correlation()));
+  }
 }
 
 absl::Status Restrict(const RestrictOptions& options, Session& session, Output& output) {

@@ -212,8 +212,9 @@ absl::Status ImportFiles(const std::vector<std::filesystem::path>& files, Sessio
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::CatalogService::NewStub(client->channel());
   MORTISE_ASSIGN_OR_RETURN(const Present present, ReadCatalog(*stub, *client));
-  for (FieldViolation& finding : CheckDesigns(designs, present))
+  for (FieldViolation& finding : CheckDesigns(designs, present)) {
     findings.push_back(std::move(finding));
+  }
   std::vector<std::string> notes;
   MORTISE_RETURN_IF_ERROR(ResolveShapes(designs, *stub, *client, notes, findings));
   if (!findings.empty()) {

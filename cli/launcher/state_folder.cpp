@@ -26,8 +26,9 @@ absl::StatusOr<StateFolderLock> StateFolderLock::Take(const std::filesystem::pat
                                     "Stop it with `mortise down` before moving this folder.\n"));
   const std::filesystem::path path = folder / "lock";
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0)
+  if (descriptor < 0) {
     return absl::PermissionDeniedError(absl::StrCat("cannot open ", path.string()));
+  }
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     ::close(descriptor);
     return PreconditionFailed("STATE_FOLDER_IN_USE",

@@ -53,8 +53,9 @@ absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::siz
   if (!file) return Failure(path, "read");
   const std::streamoff size = file.tellg();
   if (size < 0) return Failure(path, "read");
-  if (static_cast<std::size_t>(size) > limit)
+  if (static_cast<std::size_t>(size) > limit) {
     return TooLarge(path.string(), absl::StrCat(limit, " bytes"));
+  }
   std::string bytes(static_cast<std::size_t>(size), '\0');
   file.seekg(0);
   if (!file.read(bytes.data(), size)) return Failure(path, "read");

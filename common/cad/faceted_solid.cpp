@@ -161,8 +161,9 @@ absl::StatusOr<Solid> FacetedSolid(const mesh::SurfaceMesh& surface,
   const std::vector<Shell> shells = ShellsOf(surface.vertices, faces);
   const auto solids = std::count_if(shells.begin(), shells.end(),
                                     [](const Shell& shell) { return shell.volume > 0; });
-  if (solids != 1)
+  if (solids != 1) {
     return InvalidField("shape", absl::StrCat("bounds ", solids, " solids, not one"));
+  }
   try {
     return Make(surface, faces, shells, face_names, name);
   } catch (const Standard_Failure& failure) {

@@ -203,8 +203,9 @@ bool ContainsCylinder(const EvaluatedPart& part, const Vector3d& start, const Ve
       const double angle = 2 * std::numbers::pi * i / kAround;
       const Vector3d point = centre + radius * (std::cos(angle) * p + std::sin(angle) * q);
       const double along = point.dot(w);
-      if (along < part.from - kContactTolerance || along > part.to + kContactTolerance)
+      if (along < part.from - kContactTolerance || along > part.to + kContactTolerance) {
         return false;
+      }
       if (!Contains(part.outline, {point.dot(u), point.dot(v)}, kContactTolerance)) return false;
     }
   }

@@ -64,8 +64,9 @@ std::vector<FieldViolation> ValidateTemplate(const TemplateBundle& bundle) {
 absl::Status ToStatus(const std::vector<FieldViolation>& findings) {
   if (findings.empty()) return absl::OkStatus();
   std::vector<FieldViolation> violations;
-  for (const FieldViolation& finding : findings)
+  for (const FieldViolation& finding : findings) {
     violations.push_back({finding.field, finding.message});
+  }
   return InvalidFields(violations);
 }
 

@@ -244,8 +244,9 @@ void MetricExpressions::CheckUnit(std::size_t index, std::vector<FieldViolation>
   int tried = 0;
   for (int trial = 0; trial < kTrials && tried < kWanted && is_consistent; ++trial) {
     Eigen::VectorXd values(size);
-    for (double& value : values)
+    for (double& value : values) {
       value = std::pow(10, 2 * (static_cast<double>(bits()) / 4294967296.0) - 1);
+    }
     const auto plain = parsed.expression->Value(values);
     if (!plain.ok() || *plain == 0) continue;
     Dimension dimension;

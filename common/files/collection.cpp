@@ -112,8 +112,9 @@ absl::StatusOr<Version> ReadVersion(const fs::path& file) {
     }
     version = {number, row[1].text};
   }
-  for (FieldViolation& finding : findings)
+  for (FieldViolation& finding : findings) {
     finding.field = absl::StrCat(file.string(), ": ", finding.field);
+  }
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return version;
 }

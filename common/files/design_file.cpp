@@ -45,8 +45,9 @@ bool HasLine(std::string_view text, std::string_view wanted) {
   for (std::size_t at = text.find(wanted); at != std::string_view::npos;
        at = text.find(wanted, at + 1)) {
     const std::size_t end = at + wanted.size();
-    if (end == text.size() || absl::ascii_isspace(static_cast<unsigned char>(text[end])))
+    if (end == text.size() || absl::ascii_isspace(static_cast<unsigned char>(text[end]))) {
       return true;
+    }
   }
   return false;
 }
@@ -72,8 +73,9 @@ DesignFile ParseDesignText(std::string_view text, const std::string& origin) {
   for (v1::Material& material : *bundle->mutable_materials()) {
     file.materials.push_back({std::move(material), "", {}, {}});
   }
-  for (v1::Item& item : *bundle->mutable_items())
+  for (v1::Item& item : *bundle->mutable_items()) {
     file.items.push_back({std::move(item), "", {}, {}});
+  }
   if (bundle->has_template_()) {
     file.templates.push_back({std::move(*bundle->mutable_template_()), "", {}, {}});
   }

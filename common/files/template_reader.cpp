@@ -126,8 +126,9 @@ class Consequences {
   void AddCondition(const v1::BoundaryCondition& condition, const std::string& place) {
     if (bodiless_.contains(condition.part())) fields_.insert(place + ".face");
     if (!IsUnread(place + ".kind")) return;
-    for (const char* field : {".components", ".load_case", ".face"})
+    for (const char* field : {".components", ".load_case", ".face"}) {
       whole_.push_back(place + field);
+    }
     if (condition.part().empty()) fields_.insert(place + ".part");
   }
 

@@ -57,8 +57,9 @@ class CagedMesh final : public Template {
     absl::StatusOr<cad::Solid> solid =
         cad::FacetedSolid(made.surface, made.triangle_face, made.face_names, PartName(identity_));
     if (!solid.ok()) return NoSolid(std::string(solid.status().message()));
-    if (!cad::IsSound(*solid))
+    if (!cad::IsSound(*solid)) {
       return NoSolid("shape: the kernel finds faces that cross each other");
+    }
     return std::vector<cad::Solid>{*std::move(solid)};
   }
 

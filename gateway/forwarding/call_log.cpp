@@ -137,8 +137,9 @@ void CallLog::WriteLines() {
     changed_.wait(lock, [this] { return stopping_ || !pending_.empty(); });
     if (pending_.empty()) return;
     // Under load, let a few milliseconds of lines gather: one write for all of them.
-    if (!stopping_)
+    if (!stopping_) {
       changed_.wait_for(lock, std::chrono::milliseconds(5), [this] { return stopping_; });
+    }
     std::string lines;
     lines.swap(pending_);
     lock.unlock();

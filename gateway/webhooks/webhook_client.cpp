@@ -158,8 +158,9 @@ class WebhookClient::Transport {
     beast::tcp_stream stream(co_await asio::this_coro::executor);
     const absl::Status connected = co_await Connect(stream, url, *found, deadlines);
     if (!connected.ok()) co_return connected;
-    if (url.secure)
+    if (url.secure) {
       co_return co_await PostSecurely(std::move(stream), url, headers, body, deadlines);
+    }
     stream.expires_at(deadlines.For(options_.timeout));
     co_return co_await Exchange(stream, url, headers, body);
   }

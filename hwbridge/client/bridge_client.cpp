@@ -79,8 +79,9 @@ class BridgeClient::Line {
   void AwaitConnection(const std::stop_token& stop) {
     const auto end = steady_clock::now() + kConnectPatience;
     while (!stop.stop_requested() && steady_clock::now() < end) {
-      if (shared_.channel->WaitForConnected(std::chrono::system_clock::now() + kStopLatency))
+      if (shared_.channel->WaitForConnected(std::chrono::system_clock::now() + kStopLatency)) {
         return;
+      }
     }
   }
 

@@ -144,8 +144,9 @@ absl::Status Journal::Replay(const std::string& line) {
     if (type == "cut") return Apply(CutFromJson(json));
     if (type == "intent") return Apply(IntentFromJson(json));
     if (type == "report") return Apply(ReportFromJson(json));
-    if (type == "acknowledged")
+    if (type == "acknowledged") {
       return ApplyAcknowledgement(WholeNumber<std::int64_t>(json.at("number")));
+    }
     if (type == "adopted") {
       MachineBook& book = machines_[json.at("machine").get<std::string>()];
       book.highest = std::max(book.highest, WholeNumber<std::uint32_t>(json.at("number")));

@@ -34,8 +34,9 @@ void GroupReader::Read(AssemblyDrawing& drawing) {
 int GroupReader::Find(const std::string& name, const std::string& field) const {
   const auto found = index_.find(name);
   if (found != index_.end()) return found->second;
-  if (!names_.contains(name))
+  if (!names_.contains(name)) {
     findings_.push_back({field, absl::StrCat("there is no group '", name, "'")});
+  }
   return -1;
 }
 

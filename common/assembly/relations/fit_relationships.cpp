@@ -228,8 +228,9 @@ class Stretch {
 
   static std::vector<LinearForm> SizesOf(int element) {
     std::vector<LinearForm> sizes;
-    for (const Axis axis : kAxes)
+    for (const Axis axis : kAxes) {
       sizes.push_back(LinearForm::Variable(SizeVariable(element, axis)));
+    }
     return sizes;
   }
 

@@ -230,8 +230,9 @@ class RelationshipSearch {
       return IsMoved(pose, a->element) > IsMoved(pose, b->element);
     });
     std::map<int, std::vector<PositionPointer>> at_group;
-    for (const PositionPointer member : members)
+    for (const PositionPointer member : members) {
       at_group[GroupOf(member->element)].push_back(member);
+    }
     while (!at_group.empty()) {
       const auto deepest =
           std::max_element(at_group.begin(), at_group.end(), [&](const auto& a, const auto& b) {
@@ -293,8 +294,9 @@ class RelationshipSearch {
     const std::vector<Span> spans = SpansOf(positions, axis);
     for (const Span& a : spans) {
       for (const Span& b : spans) {
-        if (!Precedes(a, b) || !IsOfInterest(pose, a.minimum->element, b.minimum->element))
+        if (!Precedes(a, b) || !IsOfInterest(pose, a.minimum->element, b.minimum->element)) {
           continue;
+        }
         if (!LiesBetween(spans, a, b)) Order(pose, *a.maximum, *b.minimum);
       }
     }

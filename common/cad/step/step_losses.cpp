@@ -60,8 +60,9 @@ int FacesOf(const Handle(StepShape_ManifoldSolidBrep) & body) {
   if (hollow.IsNull() || hollow->Voids().IsNull()) return count;
   for (int i = 1; i <= hollow->NbVoids(); ++i) {
     const Handle(StepShape_OrientedClosedShell) hole = hollow->VoidsValue(i);
-    if (!hole.IsNull())
+    if (!hole.IsNull()) {
       count += FacesOf(Handle(StepShape_ConnectedFaceSet)(hole->ClosedShellElement()));
+    }
   }
   return count;
 }

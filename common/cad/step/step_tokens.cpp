@@ -28,8 +28,9 @@ StepToken StepTokens::Next() {
   const char c = text_[at_];
   const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
   if (c == '\'') return Take(Kind::kText, EndOfText());
-  if (c == '"')
+  if (c == '"') {
     return Take(Kind::kBinary, std::min(text_.find('"', at_ + 1), text_.size() - 1) + 1);
+  }
   if (c == '#' && IsDigit(next)) return Take(Kind::kReference, EndOf(text_, at_ + 1, IsDigit));
   if (IsLetter(c)) return Take(Kind::kWord, EndOf(text_, at_, IsInWord));
   if (c == '.' && IsLetter(next)) {

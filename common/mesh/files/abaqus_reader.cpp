@@ -160,8 +160,9 @@ class Reader {
       if (!whole.ends_with(',')) break;
       const std::size_t before = at_;
       std::string_view next;
-      while (at_ < text_.size() && (next.empty() || next.starts_with("**")))
+      while (at_ < text_.size() && (next.empty() || next.starts_with("**"))) {
         next = Trim(NextLine());
+      }
       if (next.empty() || next.starts_with('*') || !keyword ||
           abaqus::WhatFollows(*keyword, next) == abaqus::Following::kData) {
         at_ = before;
@@ -340,14 +341,16 @@ class Reader {
   absl::Status ReadNode(std::string_view line) {
     const std::vector<std::string_view> fields = Fields(line);
     const auto number = Integer(fields.empty() ? "" : fields[0]);
-    if (!number || fields.size() > 4)
+    if (!number || fields.size() > 4) {
       return Fault("a node must be a number and up to three places");
+    }
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     for (std::size_t k = 1; k < fields.size(); ++k) {
       const auto x = fields[k].empty() ? std::optional<double>(0) : abaqus::Number(fields[k]);
-      if (!x)
+      if (!x) {
         return Fault(
             absl::StrCat("a coordinate of node ", *number, " is not finite, or no number"));
+      }
       position[static_cast<Eigen::Index>(k) - 1] = *x;
     }
     // The assembly has its own numbers. Its nodes are points of reference: its elements, which

@@ -73,10 +73,12 @@ class Reader {
       groups_.BeginEntities();
       MORTISE_RETURN_IF_ERROR(ReadEntities());
     }
-    if (is_nodes)
+    if (is_nodes) {
       MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadNodes22(name != "Nodes") : ReadNodes());
-    if (name == "Elements")
+    }
+    if (name == "Elements") {
       MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadOldElements() : ReadElements());
+    }
     return cursor_.Expect(end);
   }
 
@@ -93,8 +95,9 @@ class Reader {
       if (line.size() < 2 || line.front() != '"' || line.back() != '"') {
         return places_.Fault(place, "a name in quotes is missing here");
       }
-      if (dimension < 0 || dimension > 3)
+      if (dimension < 0 || dimension > 3) {
         return places_.Fault(place, "the dimension is not 0 to 3");
+      }
       const std::string name(line.substr(1, line.size() - 2));
       MORTISE_RETURN_IF_ERROR(groups_.Name({static_cast<int>(dimension), tag}, name, place));
     }
@@ -377,8 +380,9 @@ absl::StatusOr<GroupedMesh> ReadGmsh(std::string_view bytes) {
   if (*is_binary == 1) {
     header.Line();
     const auto one = header.Take<std::int32_t>();
-    if (!one.ok() || *one != 1)
+    if (!one.ok() || *one != 1) {
       return fault("its numbers have another byte order than this host's");
+    }
   }
   return Reader(bytes, *is_binary == 0, *version == 2.2).Read();
 }

@@ -243,8 +243,9 @@ std::vector<Segment> EdgesOf(const SurfaceMesh& mesh) {
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const int from = mesh.triangles(k, t), to = mesh.triangles((k + 1) % 3, t);
-      if (from < to)
+      if (from < to) {
         edges.emplace_back(ToPoint(mesh.vertices.col(from)), ToPoint(mesh.vertices.col(to)));
+      }
     }
   }
   return edges;
@@ -303,8 +304,9 @@ double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
   std::size_t probes = 0;
   std::vector<Triangles::const_iterator> met;
   const auto probe = [&](const Point& point) {
-    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMostProbes)
+    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMostProbes) {
       return;
+    }
     const double squared = b.tree().squared_distance(point);
     if (squared > deepest * deepest && IsWithin(point, b)) deepest = std::sqrt(squared);
   };

@@ -74,8 +74,9 @@ absl::StatusOr<SurfaceMesh> Clean(TriangleSoup soup, SurfaceRepairs& repairs) {
     repairs.split_triangles += split;
   }
   SurfaceMesh cleaned = soup.Surface();
-  if (cleaned.triangles.cols() == 0)
+  if (cleaned.triangles.cols() == 0) {
     return InvalidField("surface", "has no triangles with an area");
+  }
   return cleaned;
 }
 

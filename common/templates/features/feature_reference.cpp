@@ -45,8 +45,9 @@ absl::StatusOr<FaceName> ParseFaceReference(std::string_view text) {
   if (face.size() > kMaxReference) return Malformed(face, "is longer than a reference can be");
   const std::size_t end = std::min(face.find_first_of("[."), face.size());
   FaceName name{std::string(face.substr(0, end)), kNoInstance, {}};
-  if (!parametric::IsIdentifier(name.feature))
+  if (!parametric::IsIdentifier(name.feature)) {
     return Malformed(face, "must begin with the name of a feature");
+  }
   std::string_view rest = face.substr(end);
   if (rest.starts_with('[')) {
     const std::size_t close = rest.find(']');

@@ -119,8 +119,9 @@ void NameDrawings(const Design& design, FabricationPlan* plan) {
     if (!plan->parts[i].drawings.empty()) continue;
     const std::string stem = FileStem(design.parts[i].name);
     std::string name = stem;
-    for (int number = 2; !used.insert(name).second; ++number)
+    for (int number = 2; !used.insert(name).second; ++number) {
       name = absl::StrCat(stem, "-", number);
+    }
     plan->parts[i].drawings = {absl::StrCat("part-", name, ".svg"),
                                absl::StrCat("part-", name, ".stl")};
   }

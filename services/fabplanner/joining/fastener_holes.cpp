@@ -143,8 +143,9 @@ class HoleMaker {
       for (std::size_t j = 0; j < design_.parts.size(); ++j) {
         if (!MayBeDrilled(design_.parts[j], items_) || !solids_[i].Touches(solids_[j])) continue;
         Eigen::AlignedBox3d region = solids_[i].box().intersection(solids_[j].box());
-        if (region.isEmpty())
+        if (region.isEmpty()) {
           region = {region.min().cwiseMin(region.max()), region.min().cwiseMax(region.max())};
+        }
         marks->push_back({design_.parts[j].name, part.name, region});
       }
     }

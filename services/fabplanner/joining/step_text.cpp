@@ -74,8 +74,9 @@ void AppendConnectors(const Design& design, const Items& items, const StepFacts&
   if (!pegs.empty()) {
     absl::StrAppend(text, "Put ", absl::StrJoin(Counted(pegs), "; "), " into the holes first. ");
   }
-  if (!rest.empty())
+  if (!rest.empty()) {
     absl::StrAppend(text, "Fasten with ", absl::StrJoin(Counted(rest), "; "), ". ");
+  }
 }
 
 std::vector<std::string> Names(const Design& design, const std::vector<int>& parts) {

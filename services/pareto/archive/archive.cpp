@@ -35,13 +35,15 @@ void Archive::AddToFront(std::size_t entry) {
   const VectorXd& metrics = entries_[entry].metrics;
   const auto d = static_cast<std::size_t>(metrics.size());
   const auto is_no_better = [d](const double* a, const double* b) {
-    for (std::size_t i = 0; i < d; ++i)
+    for (std::size_t i = 0; i < d; ++i) {
       if (a[i] < b[i]) return false;
+    }
     return true;
   };
   // Equal to one of them, or dominated by it.
-  for (std::size_t k = 0; k < non_dominated_.size(); ++k)
+  for (std::size_t k = 0; k < non_dominated_.size(); ++k) {
     if (is_no_better(metrics.data(), &front_[k * d])) return;
+  }
   std::size_t kept = 0;
   for (std::size_t k = 0; k < non_dominated_.size(); ++k) {
     if (is_no_better(&front_[k * d], metrics.data())) {
@@ -81,8 +83,9 @@ VectorXd Archive::ConstraintSizes() const {
 double Archive::Violation(std::size_t entry) const {
   const VectorXd& constraints = entries_[entry].constraints;
   double sum = 0;
-  for (Eigen::Index j = 0; j < constraints.size(); ++j)
+  for (Eigen::Index j = 0; j < constraints.size(); ++j) {
     if (constraints[j] > 0) sum += std::pow(constraints[j] / constraint_sizes_[j], 2);
+  }
   return std::sqrt(sum);
 }
 

@@ -9,8 +9,9 @@ namespace mortise::pareto {
 Eigen::VectorXd Embed(const Eigen::VectorXd& scaled) {
   const Eigen::VectorXd y = scaled.cwiseMax(0.0);
   Eigen::VectorXd embedding(y.size() - 1);
-  for (Eigen::Index k = 0; k < embedding.size(); ++k)
+  for (Eigen::Index k = 0; k < embedding.size(); ++k) {
     embedding[k] = std::atan2(y.tail(y.size() - 1 - k).norm(), y[k]) / (std::numbers::pi / 2);
+  }
   return embedding;
 }
 

@@ -51,27 +51,35 @@ Eigen::VectorXd DesignSpace::Nearest(const Eigen::VectorXd& x) const {
 
 absl::Status Validate(const DesignSpace& space, Eigen::Index limit) {
   if (space.size() == 0) return InvalidField("parameters", "at least one parameter is needed");
-  if (space.size() > limit)
+  if (space.size() > limit) {
     return InvalidField("parameters",
                         absl::StrCat("at most ", limit, " parameters, not ", space.size()));
-  if (space.upper.size() != space.size())
+  }
+  if (space.upper.size() != space.size()) {
     return InvalidField("parameters", "as many upper as lower bounds are needed");
-  if (space.step.size() != 0 && space.step.size() != space.size())
+  }
+  if (space.step.size() != 0 && space.step.size() != space.size()) {
     return InvalidField("parameters", "as many steps as bounds are needed");
+  }
   for (Eigen::Index i = 0; i < space.size(); ++i) {
     const std::string field = absl::StrCat("parameters[", i, "]");
-    if (!std::isfinite(space.lower[i]))
+    if (!std::isfinite(space.lower[i])) {
       return InvalidField(absl::StrCat(field, ".lower"), "the bound must be a finite number");
-    if (!std::isfinite(space.upper[i]))
+    }
+    if (!std::isfinite(space.upper[i])) {
       return InvalidField(absl::StrCat(field, ".upper"), "the bound must be a finite number");
-    if (space.lower[i] > space.upper[i])
+    }
+    if (space.lower[i] > space.upper[i]) {
       return InvalidField(absl::StrCat(field, ".upper"),
                           absl::StrCat("the upper bound ", space.upper[i],
                                        " lies below the lower bound ", space.lower[i]));
-    if (space.step.size() != 0 && !(space.step[i] >= 0 && std::isfinite(space.step[i])))
+    }
+    if (space.step.size() != 0 && !(space.step[i] >= 0 && std::isfinite(space.step[i]))) {
       return InvalidField(absl::StrCat(field, ".step"), "must be a finite number, at least 0");
-    if (!std::isfinite(space.upper[i] - space.lower[i]))
+    }
+    if (!std::isfinite(space.upper[i] - space.lower[i])) {
       return InvalidField(absl::StrCat(field, ".upper"), "the range between the bounds overflows");
+    }
   }
   return absl::OkStatus();
 }
@@ -84,22 +92,27 @@ bool IsUsable(const Evaluation& evaluation) {
 absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,
                          Eigen::Index metrics, Eigen::Index constraints) {
   if (evaluation.status != EvaluationStatus::kEvaluated) return absl::OkStatus();
-  if (evaluation.constraints.size() != constraints)
+  if (evaluation.constraints.size() != constraints) {
     return InvalidField("constraints", absl::StrCat(constraints, " are needed, not ",
                                                     evaluation.constraints.size()));
+  }
   if (evaluation.constraint_jacobian.size() > 0 &&
       (evaluation.constraint_jacobian.rows() != constraints ||
-       evaluation.constraint_jacobian.cols() != parameters))
+       evaluation.constraint_jacobian.cols() != parameters)) {
     return InvalidField("constraint_jacobian",
                         "must have a row a constraint and a column a parameter");
-  if (evaluation.metrics.size() != metrics)
+  }
+  if (evaluation.metrics.size() != metrics) {
     return InvalidField("metrics",
                         absl::StrCat(metrics, " are needed, not ", evaluation.metrics.size()));
-  if (evaluation.deviations.size() != 0 && evaluation.deviations.size() != metrics)
+  }
+  if (evaluation.deviations.size() != 0 && evaluation.deviations.size() != metrics) {
     return InvalidField("deviations", "must be as many as metrics");
+  }
   if (evaluation.jacobian.size() > 0 &&
-      (evaluation.jacobian.rows() != metrics || evaluation.jacobian.cols() != parameters))
+      (evaluation.jacobian.rows() != metrics || evaluation.jacobian.cols() != parameters)) {
     return InvalidField("jacobian", "must have a row a metric and a column a parameter");
+  }
   return absl::OkStatus();
 }
 

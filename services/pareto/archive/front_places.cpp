@@ -52,11 +52,13 @@ std::vector<std::size_t> EndsOfFront(const Archive& archive) {
     return LexicographicallyLess(of_a, of_b);
   };
   const Eigen::Index d = archive[archive.non_dominated().front()].metrics.size();
-  for (Eigen::Index metric = 0; metric < d; ++metric)
-    for (const double sign : {1.0, -1.0})
+  for (Eigen::Index metric = 0; metric < d; ++metric) {
+    for (const double sign : {1.0, -1.0}) {
       ends.insert(*std::ranges::min_element(
           archive.non_dominated(),
           [&](std::size_t a, std::size_t b) { return is_before(metric, sign, a, b); }));
+    }
+  }
   return {ends.begin(), ends.end()};
 }
 

@@ -19,8 +19,9 @@ using Depth = std::array<double, K>;
 
 template <std::size_t K>
 bool Covers(const Depth<K>& a, const Depth<K>& b) {
-  for (std::size_t i = 0; i < K; ++i)
+  for (std::size_t i = 0; i < K; ++i) {
     if (a[i] < b[i]) return false;
+  }
   return true;
 }
 
@@ -157,8 +158,9 @@ template <std::size_t K>
 double VolumeOf(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& reference) {
   std::vector<Depth<K>> inside;
   Depth<K> z;
-  for (const Eigen::VectorXd& point : points)
+  for (const Eigen::VectorXd& point : points) {
     if (DepthOf<K>(point, reference, z)) inside.push_back(z);
+  }
   return Volume<K>(inside);
 }
 

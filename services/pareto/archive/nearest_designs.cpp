@@ -19,15 +19,17 @@ void NearestDesigns::SortBySpread(const Designs& designs) {
   VectorXd mean = VectorXd::Zero(designs.rows()), spread = mean;
   for (const auto& [value, number] : order_) mean += designs.col(static_cast<Index>(number));
   mean /= count;
-  for (const auto& [value, number] : order_)
+  for (const auto& [value, number] : order_) {
     spread += (designs.col(static_cast<Index>(number)) - mean).cwiseAbs2();
+  }
   Index widest = 0;
   spread.maxCoeff(&widest);
   if (widest == parameter_) return;
   parameter_ = widest;
   std::vector<std::pair<double, std::size_t>> order;
-  for (const auto& [value, number] : order_)
+  for (const auto& [value, number] : order_) {
     order.emplace_back(designs(widest, static_cast<Index>(number)), number);
+  }
   order_ = {order.begin(), order.end()};
 }
 

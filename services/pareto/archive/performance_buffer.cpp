@@ -54,8 +54,9 @@ bool PerformanceBuffer::Insert(std::size_t entry, const Eigen::VectorXd& scaled,
                                double* improvement) {
   const double distance = scaled.cwiseMax(0.0).norm();
   std::vector<Candidate>& list = cells_[CellOf(scaled)];
-  if (improvement != nullptr)
+  if (improvement != nullptr) {
     *improvement = list.empty() ? 1.0 : std::max(0.0, list.front().distance - distance);
+  }
   if (!list.empty() && distance > list.front().distance + options_.tolerance) return false;
   const auto place =
       std::upper_bound(list.begin(), list.end(), distance,
@@ -64,8 +65,9 @@ bool PerformanceBuffer::Insert(std::size_t entry, const Eigen::VectorXd& scaled,
   list.insert(place, {entry, distance});
   const double limit = list.front().distance + options_.tolerance;
   while (list.back().distance > limit ||
-         static_cast<int>(list.size()) > options_.candidates_per_cell)
+         static_cast<int>(list.size()) > options_.candidates_per_cell) {
     list.pop_back();
+  }
   return kept;
 }
 
@@ -95,8 +97,9 @@ bool PerformanceBuffer::MayCoarsen() const {
 
 void PerformanceBuffer::Refill(const Archive& archive) {
   cells_.clear();
-  for (std::size_t i = 0; i < archive.size(); ++i)
+  for (std::size_t i = 0; i < archive.size(); ++i) {
     if (archive[i].feasible) Insert(i, scaling_.Apply(archive[i].metrics));
+  }
 }
 
 }  // namespace mortise::pareto

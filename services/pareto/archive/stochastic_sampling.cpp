@@ -13,9 +13,10 @@ std::vector<Eigen::VectorXd> LatinHypercube(std::int64_t count, Eigen::Index siz
   for (Eigen::Index i = 0; i < size; ++i) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random.Index(k)]);
-    for (std::size_t k = 0; k < points.size(); ++k)
+    for (std::size_t k = 0; k < points.size(); ++k) {
       points[k][i] =
           (static_cast<double>(order[k]) + random.Uniform()) / static_cast<double>(count);
+    }
   }
   return points;
 }

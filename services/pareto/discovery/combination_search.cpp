@@ -33,8 +33,9 @@ std::optional<CombinationSearch::Design> CombinationSearch::Ask() {
     if (planned_ == 0 || tried_under_way_ > 0 || exhausted_) return std::nullopt;
     Begin();
   }
-  if (std::optional<Discovery::Proposal> proposal = discovery_->Ask())
+  if (std::optional<Discovery::Proposal> proposal = discovery_->Ask()) {
     return Design{std::move(proposal->x), proposal->number};
+  }
   if (!discovery_->Finished()) return std::nullopt;
   if (discovery_->summary().stop_reason == Discovery::StopReason::kConverged) {
     exhausted_ = true;
@@ -67,8 +68,9 @@ void CombinationSearch::Tell(std::int64_t number, Evaluation evaluation) {
 
 std::vector<AffinePiece> CombinationSearch::Pieces() const {
   std::vector<AffinePiece> pieces = pieces_;
-  if (discovery_)
+  if (discovery_) {
     pieces.insert(pieces.end(), discovery_->pieces().begin(), discovery_->pieces().end());
+  }
   return pieces;
 }
 

@@ -33,10 +33,12 @@ absl::StatusOr<std::unique_ptr<CombinedDiscovery>> CombinedDiscovery::Create(
   // What it says of the options holds for each combination.
   MORTISE_RETURN_IF_ERROR(Discovery::Create(space, metric_count, options).status());
   const CombinationSpace combinations(space, discrete);
-  for (Eigen::Index i = 0; i < options.initial_designs.cols(); ++i)
-    if (!combinations.Of(options.initial_designs.col(i)))
+  for (Eigen::Index i = 0; i < options.initial_designs.cols(); ++i) {
+    if (!combinations.Of(options.initial_designs.col(i))) {
       return InvalidField(absl::StrCat("initial_designs[", i, "]"),
                           "has a discrete parameter at none of its values");
+    }
+  }
   return absl::WrapUnique(new CombinedDiscovery(space, discrete, metric_count, options));
 }
 
@@ -52,8 +54,9 @@ CombinedDiscovery::CombinedDiscovery(const DesignSpace& space,
       window_(options.evaluations, options.window,
               {space.size(), metric_count, options.constraints}),
       buffer_(BufferOptions(options, metric_count), metric_count) {
-  if (options_.surrogate == Discovery::Surrogate::kAutomatic)
+  if (options_.surrogate == Discovery::Surrogate::kAutomatic) {
     options_.surrogate = Discovery::Surrogate::kNever;
+  }
   MakeOpening();
   OpenGiven();
 }
@@ -70,8 +73,9 @@ void CombinedDiscovery::OpenGiven() {
     if (!members.insert(member).second && others_.empty()) continue;
     given.push_back({member, {x}});
   }
-  for (Next& next : opening_)
+  for (Next& next : opening_) {
     if (!others_.empty() || !members.contains(next.member)) given.push_back(std::move(next));
+  }
   opening_ = std::move(given);
 }
 
@@ -93,8 +97,9 @@ void CombinedDiscovery::MakeOpening() {
   opened = std::clamp<std::int64_t>(opened, 1, combinations_.count());
   opening_evaluations_ = least;
   memory_ = 1 - 1 / std::max(kLately, 2.0 * static_cast<double>(opened));
-  for (const Combination& combination : combinations_.SpaceFilling(opened, random_))
+  for (const Combination& combination : combinations_.SpaceFilling(opened, random_)) {
     AddMember(combination);
+  }
   const std::vector<Eigen::VectorXd> designs = LatinHypercube(opened * samples, size, random_);
   for (std::size_t i = 0; i < designs.size(); ++i) {
     const std::size_t member = i % members_.size();
@@ -130,10 +135,11 @@ std::optional<CombinedDiscovery::Proposal> CombinedDiscovery::Ask() {
   const bool is_complete = others_.empty() && number == combinations_.count();
   if (window_.left() <= 0 || is_complete) {
     if (!CommitUpTo(number) || Finished()) return std::nullopt;
-    if (is_complete)
+    if (is_complete) {
       Stop(StopReason::kConverged, absl::StrCat("all ", number, " designs were evaluated"));
-    else
+    } else {
       Stop(StopReason::kBudget, absl::StrCat("all ", number, " evaluations were made"));
+    }
     return std::nullopt;
   }
   if (number == static_cast<std::int64_t>(opening_.size())) window_.AwaitAll();
@@ -199,10 +205,11 @@ void CombinedDiscovery::Commit(Window::Proposed proposed) {
 double CombinedDiscovery::Absorb(std::size_t entry) {
   if (!archive_[entry].feasible) return 0;
   const Scaling scaling = archive_.CurrentScaling();
-  if (buffer_.NeedsRebuild(scaling))
+  if (buffer_.NeedsRebuild(scaling)) {
     buffer_.Rebuild(archive_, scaling);
-  else
+  } else {
     buffer_.Insert(entry, buffer_.scaling().Apply(archive_[entry].metrics));
+  }
   return archive_.non_dominated().back() == entry ? GainedVolume(archive_, buffer_.scaling(), entry)
                                                   : 0;
 }
@@ -246,8 +253,9 @@ absl::StatusOr<std::unique_ptr<AskTell>> MakeDiscovery(
     Eigen::Index metric_count, const Discovery::Options& options) {
   MORTISE_RETURN_IF_ERROR(pareto::Validate(discrete, space));
   const CombinationSpace combinations(space, discrete);
-  if (combinations.count() > 1)
+  if (combinations.count() > 1) {
     return CombinedDiscovery::Create(space, discrete, metric_count, options);
+  }
   return Discovery::Create(combinations.SpaceOf(combinations.At(0)), metric_count, options);
 }
 

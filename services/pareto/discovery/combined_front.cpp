@@ -17,24 +17,33 @@ namespace {
 
 constexpr double kOwn = 1 / std::numbers::sqrt2;
 
+// Returns the ranges of `parameters`, followed by as many from 0 to 1 as make `width`.
+DesignSpace WithUnitRanges(const DesignSpace& space, const std::vector<Eigen::Index>& parameters,
+                           Eigen::Index width) {
+  const auto size = static_cast<Eigen::Index>(parameters.size());
+  DesignSpace wide{Eigen::VectorXd::Zero(width), Eigen::VectorXd::Ones(width),
+                   Eigen::VectorXd::Zero(width)};
+  wide.lower.head(size) = space.lower(parameters);
+  wide.upper.head(size) = space.upper(parameters);
+  if (space.step.size() > 0) wide.step.head(size) = space.step(parameters);
+  return wide;
+}
+
 }  // namespace
 
 Front CombinedDiscovery::front() const {
   const auto size = static_cast<Eigen::Index>(others_.size());
   std::map<std::size_t, Eigen::Index> column;  // of each member with a candidate
   std::vector<bool> is_candidate(archive_.size(), false);
-  for (const FrontPlace& place : PlacesOfFront(archive_, buffer_))
+  for (const FrontPlace& place : PlacesOfFront(archive_, buffer_)) {
     for (const PerformanceBuffer::Candidate& candidate : place.candidates) {
       is_candidate[candidate.entry] = true;
       column.emplace(member_of_[candidate.entry], 0);
     }
+  }
   Eigen::Index width = size;
   for (auto& [member, index] : column) index = width++;
-  DesignSpace space{Eigen::VectorXd::Zero(width), Eigen::VectorXd::Ones(width),
-                    Eigen::VectorXd::Zero(width)};
-  space.lower.head(size) = space_.lower(others_);
-  space.upper.head(size) = space_.upper(others_);
-  if (space_.step.size() > 0) space.step.head(size) = space_.step(others_);
+  const DesignSpace space = WithUnitRanges(space_, others_, width);
   const auto embedded = [&](const Eigen::VectorXd& others, std::size_t member) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(width);
     u.head(size) = others;
@@ -61,8 +70,9 @@ Front CombinedDiscovery::front() const {
   Front front = BuildFront(space, archive, buffer_, pieces);
   const auto restored = [&](const Eigen::VectorXd& x) {
     Eigen::VectorXd whole = space_.lower;
-    for (const auto& [member, index] : column)
+    for (const auto& [member, index] : column) {
       if (x[index] > 0) whole = members_[member].space.lower;
+    }
     whole(others_) = x.head(size);
     return whole;
   };

@@ -49,12 +49,14 @@ double Gap(const Eigen::VectorXd& y, const std::vector<Eigen::VectorXd>& front) 
 
 // Keeps at most `most` entries, evenly spread, among them the first and the last.
 std::vector<std::size_t> Thinned(const std::vector<std::size_t>& entries, std::size_t most) {
-  if (entries.size() <= most || most < 2)
+  if (entries.size() <= most || most < 2) {
     return {entries.begin(),
             entries.begin() + static_cast<std::ptrdiff_t>(std::min(most, entries.size()))};
+  }
   std::vector<std::size_t> thinned;
-  for (std::size_t i = 0; i < most; ++i)
+  for (std::size_t i = 0; i < most; ++i) {
     thinned.push_back(entries[i * (entries.size() - 1) / (most - 1)]);
+  }
   return thinned;
 }
 
@@ -78,8 +80,9 @@ std::vector<std::size_t> CombinedDiscovery::Sources(const Member* without, std::
     });
     return Thinned(sources, most);
   }
-  for (std::size_t entry = 0; entry < archive_.size(); ++entry)
+  for (std::size_t entry = 0; entry < archive_.size(); ++entry) {
     if (archive_[entry].evaluated && is_other(entry)) sources.push_back(entry);
+  }
   std::ranges::stable_sort(sources, {},
                            [&](std::size_t entry) { return archive_.Violation(entry); });
   if (sources.size() > most) sources.resize(most);
@@ -112,8 +115,9 @@ std::vector<Eigen::VectorXd> CombinedDiscovery::Transplants(const Member& member
   const Scaling scaling = archive_.CurrentScaling();
   const CombinationModel model = LearntModel();
   std::vector<Eigen::VectorXd> front;
-  for (const std::size_t entry : Sources(nullptr, kMostOnFront))
+  for (const std::size_t entry : Sources(nullptr, kMostOnFront)) {
     front.push_back(scaling.Apply(archive_[entry].metrics));
+  }
   std::vector<std::pair<double, std::size_t>> expected;
   for (const std::size_t source : sources) {
     const Eigen::VectorXd y =
@@ -123,10 +127,12 @@ std::vector<Eigen::VectorXd> CombinedDiscovery::Transplants(const Member& member
   }
   std::ranges::sort(expected);
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < expected.size() && i < (most + 1) / 2; ++i)
+  for (std::size_t i = 0; i < expected.size() && i < (most + 1) / 2; ++i) {
     order.push_back(expected[i].second);
-  for (const std::size_t source : Thinned(sources, std::max<std::size_t>(most, 2)))
+  }
+  for (const std::size_t source : Thinned(sources, std::max<std::size_t>(most, 2))) {
     order.push_back(source);
+  }
   for (const auto& [gap, source] : expected) order.push_back(source);
   std::vector<Eigen::VectorXd> designs;
   std::set<std::vector<double>> chosen;
@@ -140,8 +146,9 @@ std::vector<Eigen::VectorXd> CombinedDiscovery::Transplants(const Member& member
 }
 
 std::optional<CombinedDiscovery::Next> CombinedDiscovery::NextDesign() {
-  if (window_.proposed() < static_cast<std::int64_t>(opening_.size()))
+  if (window_.proposed() < static_cast<std::int64_t>(opening_.size())) {
     return opening_[static_cast<std::size_t>(window_.proposed())];
+  }
   if (!std::exchange(opened_, true)) {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -165,26 +172,30 @@ std::optional<CombinedDiscovery::Next> CombinedDiscovery::NextDesign() {
   }
   if (std::optional<Next> next = AskShared()) return next;
   if (!Searching().empty() || others_.empty()) return std::nullopt;
-  for (Member& member : members_)
+  for (Member& member : members_) {
     if (member.stage == Stage::kPruned) member.stage = Stage::kSearching;
+  }
   return AskShared();
 }
 
 std::vector<std::size_t> CombinedDiscovery::Searching() const {
   std::vector<std::size_t> searching;
   if (others_.empty()) return searching;
-  for (std::size_t i = 0; i < members_.size(); ++i)
-    if (members_[i].stage == Stage::kSearching && !members_[i].search->exhausted())
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (members_[i].stage == Stage::kSearching && !members_[i].search->exhausted()) {
       searching.push_back(i);
+    }
+  }
   return searching;
 }
 
 // Of each member, and at the end of transplants.
 std::vector<double> CombinedDiscovery::Shares(const std::vector<std::size_t>& members) const {
   std::vector<double> gains(members_.size(), 0.0), rates, near;
-  for (const std::size_t entry : archive_.non_dominated())
+  for (const std::size_t entry : archive_.non_dominated()) {
     gains[member_of_[entry]] +=
         gains_[entry] * std::pow(memory_, static_cast<double>(archive_.size() - 1 - entry));
+  }
   for (const std::size_t i : members) {
     const Member& member = members_[i];
     rates.push_back(gains[i] / (member.spent + kDoubt));
@@ -196,9 +207,10 @@ std::vector<double> CombinedDiscovery::Shares(const std::vector<std::size_t>& me
   const bool more = static_cast<std::int64_t>(members_.size()) < combinations_.count();
   const double transplants = more ? kTransplantsToOpen : kTransplants;
   const double least = sum > 0 ? kLeastShare : 1 - transplants;
-  for (std::size_t k = 0; k < rates.size(); ++k)
+  for (std::size_t k = 0; k < rates.size(); ++k) {
     rates[k] =
         (sum > 0 ? (1 - least - transplants) * rates[k] / sum : 0) + least * near[k] / nearness;
+  }
   rates.push_back(transplants);
   return rates;
 }
@@ -223,8 +235,9 @@ std::optional<CombinedDiscovery::Next> CombinedDiscovery::AskShared() {
       next = Next{members[k], *std::move(design)};
     }
     if (!next) continue;
-    for (std::size_t other = 0; other <= members.size(); ++other)
+    for (std::size_t other = 0; other <= members.size(); ++other) {
       owed(other) = std::min(owed(other) + shares[other], static_cast<double>(options_.window));
+    }
     owed(k) -= 1;
     break;
   }
@@ -266,8 +279,9 @@ bool CombinedDiscovery::PlanFor(Member& member) {
     const std::vector<std::size_t> members = Searching();
     const std::vector<double> shares = Shares(members);
     double share = 1;
-    for (std::size_t k = 0; k < members.size(); ++k)
+    for (std::size_t k = 0; k < members.size(); ++k) {
       if (&members_[members[k]] == &member) share = shares[k];
+    }
     evaluations = std::max({2 * member.search->last_plan(),
                             2 * (static_cast<std::int64_t>(others_.size()) + 2),
                             static_cast<std::int64_t>(share * static_cast<double>(left))});
@@ -308,8 +322,9 @@ void CombinedDiscovery::ChooseTransplants() {
   const Scaling scaling = archive_.CurrentScaling();
   const CombinationModel model = LearntModel();
   std::vector<Eigen::VectorXd> front;
-  for (const std::size_t entry : Sources(nullptr, kMostOnFront))
+  for (const std::size_t entry : Sources(nullptr, kMostOnFront)) {
     front.push_back(scaling.Apply(archive_[entry].metrics));
+  }
   struct Candidate {
     double score = 0;
     Combination combination;
@@ -327,9 +342,10 @@ void CombinedDiscovery::ChooseTransplants() {
         scaling.Apply(archive_[source].metrics) + model.Difference(from, combination);
     double expected = Gap(y, front);
     // What is known of it counts more than what the model thinks of all.
-    if (member != nullptr)
+    if (member != nullptr) {
       expected = std::max(expected, kKnown * std::min(member->gap, 1.0)) +
                  kTriedBefore * member->transplants;
+    }
     candidates.push_back({expected, combination, std::move(x)});
   };
   for (const std::size_t source : sources) {
@@ -337,8 +353,9 @@ void CombinedDiscovery::ChooseTransplants() {
     for (const Combination& neighbour : combinations_.Neighbours(from)) offer(source, neighbour);
     const std::size_t other = sources[random_.Index(sources.size())];
     Combination mixed = from;
-    for (std::size_t k = 0; k < mixed.size(); ++k)
+    for (std::size_t k = 0; k < mixed.size(); ++k) {
       if (random_.Uniform() < 0.5) mixed[k] = members_[member_of_[other]].combination[k];
+    }
     offer(source, mixed);
     const double any = random_.Uniform() * static_cast<double>(combinations_.count());
     offer(source, combinations_.At(static_cast<std::int64_t>(any)));
@@ -350,8 +367,9 @@ void CombinedDiscovery::ChooseTransplants() {
   std::set<Combination> chosen;
   for (const Candidate& candidate : candidates) {
     if (chosen.size() == kTransplantedAtOnce) break;
-    if (chosen.insert(candidate.combination).second)
+    if (chosen.insert(candidate.combination).second) {
       transplanted_.emplace_back(candidate.combination, candidate.x);
+    }
   }
 }
 
@@ -362,8 +380,9 @@ double CombinedDiscovery::GapOf(const Member& member, std::size_t count) const {
   if (archive_.feasible_count() == 0) return least;
   const Scaling scaling = archive_.CurrentScaling();
   std::vector<Eigen::VectorXd> front;
-  for (const std::size_t entry : archive_.non_dominated())
+  for (const std::size_t entry : archive_.non_dominated()) {
     front.push_back(scaling.Apply(archive_[entry].metrics));
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const ArchiveEntry& entry = archive_[member.entries[i]];
     if (entry.feasible) least = std::min(least, Gap(scaling.Apply(entry.metrics), front));
@@ -374,8 +393,9 @@ double CombinedDiscovery::GapOf(const Member& member, std::size_t count) const {
 // The gap when it had no more than `count` entries, as it was found then; the latest without one.
 double CombinedDiscovery::EarlierGap(const Member& member, std::size_t count) const {
   double gap = member.gap;
-  for (const auto& [entries, then] : member.gaps)
+  for (const auto& [entries, then] : member.gaps) {
     if (entries <= count) gap = then;
+  }
   return gap;
 }
 
@@ -403,24 +423,29 @@ void CombinedDiscovery::Prune() {
   for (const std::size_t i : Searching()) {
     Member& member = members_[i];
     member.gap = GapOf(member, member.entries.size());
-    if (member.gaps.empty() || member.gaps.back().first < member.entries.size())
+    if (member.gaps.empty() || member.gaps.back().first < member.entries.size()) {
       member.gaps.emplace_back(member.entries.size(), member.gap);
+    }
     if (static_cast<std::int64_t>(member.entries.size()) >= opening_evaluations_ &&
-        IsHopeless(member))
+        IsHopeless(member)) {
       member.stage = Stage::kPruned;
+    }
   }
 }
 
 void CombinedDiscovery::LookAgain() {
   if (looked_ >= static_cast<int>(std::size(kLooks)) || archive_.feasible_count() == 0 ||
       static_cast<double>(window_.proposed()) <
-          kLooks[looked_] * static_cast<double>(options_.evaluations))
+          kLooks[looked_] * static_cast<double>(options_.evaluations)) {
     return;
+  }
   ++looked_;
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < members_.size(); ++i)
-    if (members_[i].stage == Stage::kPruned)
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (members_[i].stage == Stage::kPruned) {
       order.emplace_back(GapOf(members_[i], members_[i].entries.size()), i);
+    }
+  }
   std::ranges::sort(order);
   auto left =
       static_cast<std::size_t>(std::ceil(kLookShare * static_cast<double>(options_.evaluations)));

@@ -61,8 +61,9 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
   if (Finished()) return std::nullopt;
   const std::int64_t number = window_.proposed();
   if (window_.left() <= 0) {
-    if (CommitUpTo(number) && !Finished())
+    if (CommitUpTo(number) && !Finished()) {
       Stop(StopReason::kBudget, absl::StrCat("all ", number, " evaluations were made"));
+    }
     return std::nullopt;
   }
   if (number == initial_samples_) window_.AwaitAll();
@@ -94,8 +95,9 @@ absl::Status Discovery::Tell(std::int64_t number, Evaluation evaluation) {
 }
 
 absl::Status Discovery::Learn(const Evaluation& evaluation) {
-  if (evaluation.x.size() != space().size())
+  if (evaluation.x.size() != space().size()) {
     return InvalidField("x", absl::StrCat("must have ", space().size(), " parameters"));
+  }
   MORTISE_RETURN_IF_ERROR(
       CheckAnswer(evaluation, space().size(), metric_count_, options_.constraints));
   if (window_.proposed() == 0) initial_samples_ = std::max(given(), initial_samples_ - 1);
@@ -172,11 +174,13 @@ double Discovery::Absorb(std::size_t entry) {
 // an optimisation that begins at a sample of the buffer. Gives none while answers are needed first,
 // and when no way is left.
 std::optional<TrackPool::Request> Discovery::Step() {
-  if (window_.proposed() < initial_samples_ || archive_.evaluated_count() == 0)
+  if (window_.proposed() < initial_samples_ || archive_.evaluated_count() == 0) {
     return InitialDesign();
+  }
   if (archive_.feasible_count() == 0) return RestoreConstraints();
-  if (SurrogateIsDue() && !PolishesOnly())
+  if (SurrogateIsDue() && !PolishesOnly()) {
     if (std::optional<TrackPool::Request> request = AskSurrogate()) return request;
+  }
   if (policy_.Explores()) StartFinishing();
   for (int barren = 0; barren < SearchPolicy::kExhaustedTracks; ++barren) {
     const std::int64_t started = tracks_.started();
@@ -184,8 +188,9 @@ std::optional<TrackPool::Request> Discovery::Step() {
     std::optional<TrackPool::Request> request = AskTracks(polishes);
     if (request || Finished()) return request;
     if (tracks_.started() != started) continue;  // an expansion has begun
-    if (AwaitsOpening() && !window_.under_way().empty())
+    if (AwaitsOpening() && !window_.under_way().empty()) {
       return UsesSurrogate() ? AskSurrogate() : std::nullopt;
+    }
     // What is polished next depends on what came of this.
     if (polishes && tracks_.IsFinishing()) return std::nullopt;
     StartTrack(barren >= SearchPolicy::kBarrenTracks, polishes);
@@ -198,8 +203,9 @@ std::optional<TrackPool::Request> Discovery::Step() {
 TrackPool::Request Discovery::InitialDesign() {
   const std::int64_t number = window_.proposed();
   if (number < given()) return {kNoTrack, box_.UnitOf(options_.initial_designs.col(number))};
-  if (number < initial_samples_)
+  if (number < initial_samples_) {
     return {kNoTrack, space_filling_[static_cast<std::size_t>(number - given())]};
+  }
   Eigen::VectorXd u(box_.size());
   for (double& value : u) value = random_.Uniform();
   return {kNoTrack, u};
@@ -225,8 +231,9 @@ std::optional<TrackPool::Request> Discovery::AskTracks(bool only_polishes) {
 // Tells what is known of the design that can be set at `u`.
 TrackPool::KnownDesign Discovery::Find(const Eigen::VectorXd& u) const {
   const Eigen::VectorXd possible = box_.UnitOf(box_.DesignAt(u));
-  if (const std::optional<std::size_t> entry = evaluated_.Find(archive_, possible))
+  if (const std::optional<std::size_t> entry = evaluated_.Find(archive_, possible)) {
     return {.entry = entry};
+  }
   const auto at = std::ranges::find_if(
       window_.under_way(), [&](const auto& each) { return each.second.origin.u == possible; });
   if (at == window_.under_way().end()) return {};

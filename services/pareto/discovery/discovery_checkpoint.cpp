@@ -83,8 +83,9 @@ void AppendVector(std::string& bytes, const Eigen::VectorXd& vector) {
 // The constant and the code of a failure.
 bool ReadReason(Reader& reader, Evaluation& evaluation) {
   std::int32_t code = 0;
-  if (!reader.Read(code) || code < 0 || code > kLastCode || !reader.ReadText(evaluation.reason))
+  if (!reader.Read(code) || code < 0 || code > kLastCode || !reader.ReadText(evaluation.reason)) {
     return false;
+  }
   evaluation.code = static_cast<absl::StatusCode>(code);
   return true;
 }
@@ -112,8 +113,9 @@ bool ReadResult(Reader& reader, std::string_view magic, std::int64_t& number,
   if (!reader.Read(number) || !reader.Read(evaluated) || evaluated > 1 || number < 0 ||
       !reader.ReadVector(evaluation.x) || !reader.ReadVector(evaluation.metrics) ||
       !ReadJacobian(reader, evaluation.metrics.size(), evaluation.x.size(), evaluation.jacobian) ||
-      !reader.ReadText(evaluation.message))
+      !reader.ReadText(evaluation.message)) {
     return false;
+  }
   evaluation.status = evaluated != 0 ? EvaluationStatus::kEvaluated : EvaluationStatus::kFailed;
   if (magic == kMagicWithoutReasons) return true;
   if (!ReadReason(reader, evaluation)) return false;
@@ -125,8 +127,9 @@ bool ReadResult(Reader& reader, std::string_view magic, std::int64_t& number,
 // Which of the known ones it begins with; empty if it is none.
 std::string_view ReadMagic(Reader& reader) {
   for (const std::string_view known :
-       {kMagic, kMagicWithoutDeviations, kMagicWithoutConstraints, kMagicWithoutReasons})
+       {kMagic, kMagicWithoutDeviations, kMagicWithoutConstraints, kMagicWithoutReasons}) {
     if (reader.Skip(known)) return known;
+  }
   return {};
 }
 
@@ -159,13 +162,15 @@ absl::StatusOr<DiscoveryCheckpoint> ParseCheckpoint(std::string_view bytes) {
   while (!reader.AtEnd()) {
     std::uint64_t count = 0;
     const std::string_view magic = ReadMagic(reader);
-    if (magic.empty() || !reader.Read(count))
+    if (magic.empty() || !reader.Read(count)) {
       return absl::DataLossError("not a checkpoint of a discovery");
+    }
     for (std::uint64_t i = 0; i < count; ++i) {
       std::int64_t number = 0;
       Evaluation evaluation;
-      if (!ReadResult(reader, magic, number, evaluation))
+      if (!ReadResult(reader, magic, number, evaluation)) {
         return absl::DataLossError(absl::StrCat("result ", i, " of the checkpoint is damaged"));
+      }
       checkpoint.results.insert_or_assign(number, std::move(evaluation));
     }
   }

@@ -34,8 +34,9 @@ void Discovery::LearnFromLines() {
   const std::vector<ParameterLine> lines = ParameterLines(archive_);
   Eigen::VectorXd lengths = RelativeLengths(archive_, lines, scaling);
   const Eigen::VectorXd& step = box_.box().step;
-  for (Eigen::Index i = 0; i < step.size(); ++i)
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
     if (step[i] > 0) lengths[i] = 1;
+  }
   archive_.UseLengths(std::move(lengths));
   trading_ = TradingParameters(archive_, lines, scaling, SearchPolicy::kLeastTrade);
 }
@@ -87,8 +88,9 @@ std::unique_ptr<PointSource> Discovery::MakeDescent() {
   const Scaling scaling = archive_.CurrentScaling();
   std::vector<std::size_t> candidates;
   for (auto entry = static_cast<std::size_t>(given());
-       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry)
+       given() > 0 && entry < static_cast<std::size_t>(initial_samples_); ++entry) {
     if (archive_[entry].feasible) candidates.push_back(entry);
+  }
   if (candidates.empty()) candidates = archive_.non_dominated();
   const std::size_t start = *std::ranges::min_element(candidates, {}, [&](std::size_t entry) {
     return scaling.Apply(archive_[entry].metrics).norm();

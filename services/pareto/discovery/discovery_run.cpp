@@ -49,12 +49,14 @@ absl::StatusOr<Numbered> EvaluateBatch(Evaluator& evaluator,
   std::vector<Eigen::VectorXd> designs;
   for (const AskTell::Proposal& proposal : batch) designs.push_back(proposal.x);
   MORTISE_ASSIGN_OR_RETURN(std::vector<Evaluation> results, evaluator.Evaluate(designs));
-  if (results.size() != batch.size())
+  if (results.size() != batch.size()) {
     return absl::InternalError(
         absl::StrCat("the evaluator answered ", results.size(), " of ", batch.size(), " designs"));
+  }
   Numbered numbered;
-  for (std::size_t i = 0; i < batch.size(); ++i)
+  for (std::size_t i = 0; i < batch.size(); ++i) {
     numbered.emplace_back(batch[i].number, std::move(results[i]));
+  }
   return numbered;
 }
 
@@ -121,8 +123,9 @@ class Loop {
 
   // A failure ends the discovery, which keeps what it found.
   absl::Status Keep(absl::Status status) {
-    if (!status.ok())
+    if (!status.ok()) {
       discovery_.Stop(AskTell::StopReason::kEvaluatorLost, std::string(status.message()));
+    }
     return status;
   }
 
@@ -135,9 +138,10 @@ class Loop {
         const auto known = known_.find(proposal->number);
         if (known != known_.end()) {
           const absl::Status told = discovery_.Tell(proposal->number, known->second);
-          if (!told.ok())
+          if (!told.ok()) {
             return absl::DataLossError(
                 absl::StrCat("the saved results belong to another discovery: ", told.message()));
+          }
         } else {
           batch.push_back(*std::move(proposal));
         }
@@ -154,8 +158,9 @@ class Loop {
     if (discovery_.Finished()) return absl::OkStatus();
     MORTISE_RETURN_IF_ERROR(batch.status());
     MORTISE_RETURN_IF_ERROR(KeepResults(*batch));
-    for (auto& [number, evaluation] : *batch)
+    for (auto& [number, evaluation] : *batch) {
       MORTISE_RETURN_IF_ERROR(discovery_.Tell(number, std::move(evaluation)));
+    }
     if (options_.progress || options_.judge) {
       const AskTell::Summary summary = discovery_.summary();
       if (options_.progress) options_.progress(summary);

@@ -9,8 +9,9 @@
 namespace mortise::pareto {
 
 void Discovery::StartTrack(bool force_sample, bool polishes) {
-  if (!opened_ && OffersGradients())
+  if (!opened_ && OffersGradients()) {
     scheduler_.UseGradients(static_cast<std::size_t>(initial_samples_));
+  }
   if (!std::exchange(opened_, true) && policy_.Explores()) {
     descending_ = true;
     tracks_.Start(MakeDescent(), TrackKind::kOpening);
@@ -25,23 +26,28 @@ void Discovery::StartOptimization(bool force_sample, bool polishes) {
   TrackScheduler::Track next = polishes ? scheduler_.Polish(archive_, buffer_)
                                         : scheduler_.Next(archive_, buffer_, force_sample);
   constexpr int kChildren = SearchPolicy::kChildren;
-  if (next.kind == TrackKind::kBreed)
+  if (next.kind == TrackKind::kBreed) {
     next.other = std::make_unique<Breeding>(archive_, population_, kChildren, random_);
-  if (next.kind == TrackKind::kEvolve)
+  }
+  if (next.kind == TrackKind::kEvolve) {
     next.other =
         std::make_unique<Evolving>(archive_, archive_.CurrentScaling(), kChildren, evolution_);
-  if (next.kind == TrackKind::kTransfer)
+  }
+  if (next.kind == TrackKind::kTransfer) {
     next.other = std::make_unique<PointList>(evolution_.Transfers(archive_, kChildren));
-  if (next.other != nullptr)
+  }
+  if (next.other != nullptr) {
     tracks_.Start(std::move(next.other), next.kind);
-  else
+  } else {
     tracks_.Start(std::move(next.optimization), next.kind);
+  }
 }
 
 // Begins the next round of the finishing, if one is due.
 void Discovery::StartFinishing() {
-  if (std::unique_ptr<PointSource> round = finishing_.NextRound(archive_, window_.left()))
+  if (std::unique_ptr<PointSource> round = finishing_.NextRound(archive_, window_.left())) {
     tracks_.StartFinishing(std::move(round));
+  }
 }
 
 // While nothing meets the constraints: begins at the design that is nearest to that and was not
@@ -115,14 +121,16 @@ void Discovery::RetireOptimization(const Track& track) {
   if (!MakesProgress(track)) return;
   const std::optional<std::size_t> best = track.optimization->best();
   if (!best || !archive_[*best].feasible ||
-      archive_.ClearlyDominated(archive_[*best].metrics, buffer_.scaling(), options_.delta_b))
+      archive_.ClearlyDominated(archive_[*best].metrics, buffer_.scaling(), options_.delta_b)) {
     return;
+  }
   if (track.kind == TrackKind::kOpening) StartTraverses(*best);
   const Eigen::VectorXd& u = archive_[*best].u;
   if (std::any_of(pieces_.begin(), pieces_.end(), [&](const AffinePiece& piece) {
         return (piece.centre - u).lpNorm<Eigen::Infinity>() < SearchPolicy::kSamePiece;
-      }))
+      })) {
     return;
+  }
   StartExpansion(track, *best);
 }
 

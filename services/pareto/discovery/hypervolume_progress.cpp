@@ -16,8 +16,9 @@ constexpr std::int64_t kShownEvery = 16;   // shown until there are that part mo
 double DominatedVolume(const Archive& archive, const Scaling& scaling, double reference,
                        HypervolumeSamples samples) {
   std::vector<Eigen::VectorXd> points;
-  for (const std::size_t index : archive.non_dominated())
+  for (const std::size_t index : archive.non_dominated()) {
     points.push_back(scaling.Apply(archive[index].metrics));
+  }
   return QuickHypervolume(points, Eigen::VectorXd::Constant(scaling.ideal.size(), reference),
                           static_cast<int>(samples));
 }
@@ -28,8 +29,9 @@ double GainedVolume(const Archive& archive, const Scaling& scaling, std::size_t 
   const std::vector<std::size_t>& displaced = archive.displaced();
   Eigen::MatrixXd before(front.rows(), others + std::ssize(displaced));
   before.leftCols(others) = front.leftCols(others);
-  for (std::size_t k = 0; k < displaced.size(); ++k)
+  for (std::size_t k = 0; k < displaced.size(); ++k) {
     before.col(others + static_cast<Eigen::Index>(k)) = archive[displaced[k]].metrics;
+  }
   const double volume = HypervolumeContribution(archive[entry].metrics, before,
                                                 scaling.ideal + kRunningReference * scaling.range,
                                                 front.rows() <= kExactMetrics ? 0 : kMaxOverlaps);

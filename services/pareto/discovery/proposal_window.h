@@ -69,10 +69,12 @@ class ProposalWindow {
   // than was proposed, else as CheckAnswer.
   absl::Status Tell(std::int64_t number, Evaluation evaluation) {
     const auto at = under_way_.find(number);
-    if (at == under_way_.end() || at->second.result)
+    if (at == under_way_.end() || at->second.result) {
       return InvalidField("number", absl::StrCat("no result is awaited for proposal ", number));
-    if (evaluation.x != at->second.x)
+    }
+    if (evaluation.x != at->second.x) {
       return InvalidField("x", absl::StrCat("not the design of proposal ", number));
+    }
     MORTISE_RETURN_IF_ERROR(
         CheckAnswer(evaluation, sizes_.parameters, sizes_.metrics, sizes_.constraints));
     at->second.result = std::move(evaluation);

@@ -120,10 +120,11 @@ Moments FirstOrder(const Evaluation& evaluation, const Robustness& robustness, V
                    Jacobian jacobian) {
   Moments moments{evaluation.*values, VectorXd::Zero((evaluation.*values).size()), {}, {}};
   if (moments.mean.size() == 0) return moments;
-  for (const Tolerance& tolerance : robustness.tolerances)
+  for (const Tolerance& tolerance : robustness.tolerances) {
     moments.deviation +=
         (tolerance.StandardDeviation() * (evaluation.*jacobian).col(tolerance.parameter))
             .cwiseAbs2();
+  }
   moments.deviation = moments.deviation.cwiseSqrt();
   return moments;
 }
@@ -172,12 +173,15 @@ Evaluation Combine(const SigmaPoints& points, std::span<const Evaluation> evalua
                    const Robustness& robustness) {
   const Evaluation& design = evaluations.front();
   if (design.status == EvaluationStatus::kFailed || !HasNumbers(design)) return design;
-  for (std::size_t i = 1; i < evaluations.size(); ++i)
-    if (evaluations[i].status == EvaluationStatus::kFailed || !HasNumbers(evaluations[i]))
+  for (std::size_t i = 1; i < evaluations.size(); ++i) {
+    if (evaluations[i].status == EvaluationStatus::kFailed || !HasNumbers(evaluations[i])) {
       return FailedBeside(points, i, evaluations[i], robustness);
-  if (robustness.first_order && !HasGradients(design, robustness))
+    }
+  }
+  if (robustness.first_order && !HasGradients(design, robustness)) {
     return Failed(design.x, "GRADIENT_MISSING", "a gradient that its tolerances need is missing",
                   absl::StatusCode::kInternal);
+  }
   const auto moments_of = [&](Values values, Jacobian jacobian) {
     return robustness.first_order
                ? FirstOrder(design, robustness, values, jacobian)
@@ -199,17 +203,20 @@ Evaluation Combine(const SigmaPoints& points, std::span<const Evaluation> evalua
 
 absl::Status ValidateTolerance(const Tolerance& tolerance, const DesignSpace& range,
                                const std::string& field) {
-  if (!(tolerance.deviation > 0 && std::isfinite(tolerance.deviation)))
+  if (!(tolerance.deviation > 0 && std::isfinite(tolerance.deviation))) {
     return InvalidField(absl::StrCat(field, ".deviation"), "must be a finite number above 0");
+  }
   const Eigen::Index i = tolerance.parameter;
-  if (i < 0 || i >= range.size())
+  if (i < 0 || i >= range.size()) {
     return InvalidField(absl::StrCat(field, ".parameter"), "is not one of the design space");
+  }
   const double width = range.upper[i] - range.lower[i];
-  if (width < kLeastRange * tolerance.step())
+  if (width < kLeastRange * tolerance.step()) {
     return InvalidField(
         absl::StrCat(field, ".deviation"),
         absl::StrCat("may be ", width * tolerance.deviation / (kLeastRange * tolerance.step()),
                      " at most where '", tolerance.name, "' has a range of ", width));
+  }
   return absl::OkStatus();
 }
 
@@ -236,13 +243,16 @@ absl::Status Validate(const Robustness& robustness) {
   for (std::size_t k = 0; k < robustness.tolerances.size(); ++k) {
     const std::string field = absl::StrCat("tolerances[", k, "]");
     MORTISE_RETURN_IF_ERROR(ValidateTolerance(robustness.tolerances[k], robustness.range, field));
-    if (!parameters.insert(robustness.tolerances[k].parameter).second)
+    if (!parameters.insert(robustness.tolerances[k].parameter).second) {
       return InvalidField(absl::StrCat(field, ".parameter"), "is given twice");
+    }
   }
-  if (!(robustness.deviations >= 0 && robustness.deviations <= kMostDeviations))
+  if (!(robustness.deviations >= 0 && robustness.deviations <= kMostDeviations)) {
     return InvalidField("deviations", absl::StrCat("must lie between 0 and ", kMostDeviations));
-  if (robustness.deviations > 0 && robustness.tolerances.empty())
+  }
+  if (robustness.deviations > 0 && robustness.tolerances.empty()) {
     return InvalidField("deviations", "no tolerances are given that metrics could deviate over");
+  }
   return absl::OkStatus();
 }
 
@@ -255,13 +265,15 @@ absl::StatusOr<std::vector<Evaluation>> RobustEvaluator::Evaluate(
     asked.insert(asked.end(), points.back().designs().begin(), points.back().designs().end());
   }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Evaluation> answers, inner_.Evaluate(asked));
-  if (answers.size() != asked.size())
+  if (answers.size() != asked.size()) {
     return absl::InternalError(
         absl::StrCat("the evaluator answered ", answers.size(), " of ", asked.size(), " designs"));
+  }
   std::vector<Evaluation> robust;
   const auto each = static_cast<std::size_t>(robustness_.EvaluationsPerDesign());
-  for (std::size_t i = 0; i < designs.size(); ++i)
+  for (std::size_t i = 0; i < designs.size(); ++i) {
     robust.push_back(Combine(points[i], std::span(answers).subspan(i * each, each), robustness_));
+  }
   return robust;
 }
 

@@ -8,8 +8,9 @@ namespace {
 std::vector<Eigen::Index> VaryingParameters(const DesignSpace& space) {
   const Eigen::VectorXd most = space.FromUnit(Eigen::VectorXd::Ones(space.size()));
   std::vector<Eigen::Index> varying;
-  for (Eigen::Index i = 0; i < space.size(); ++i)
+  for (Eigen::Index i = 0; i < space.size(); ++i) {
     if (most[i] > space.lower[i]) varying.push_back(i);
+  }
   if (varying.empty()) varying.push_back(0);
   return varying;
 }

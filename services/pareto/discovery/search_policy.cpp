@@ -54,8 +54,9 @@ SearchPolicy::SearchPolicy(const DiscoveryOptions& options, Eigen::Index size,
 
 std::int64_t SearchPolicy::InitialSamples() const {
   std::int64_t wanted = options_.initial_samples;
-  if (wanted == 0)
+  if (wanted == 0) {
     wanted = size_ + kSpaceFilling + (options_.constraints > 0 ? kMoreWithConstraints : 0);
+  }
   const std::int64_t most = std::max<std::int64_t>(1, options_.evaluations / 4);
   return options_.initial_designs.cols() + std::clamp<std::int64_t>(wanted, 1, most);
 }
@@ -72,8 +73,9 @@ TrackScheduler::Options SearchPolicy::Scheduling() const {
   TrackScheduler::Options scheduling = options_.scheduling;
   scheduling.optimization.tolerance = std::min(
       scheduling.optimization.tolerance, std::max(SpacingFor(options_.evaluations) / 30, 1e-4));
-  if (options_.evaluations >= kSecondLookBudget * size_)
+  if (options_.evaluations >= kSecondLookBudget * size_) {
     scheduling.second_look = static_cast<std::size_t>(InitialSamples());
+  }
   scheduling.given = static_cast<std::size_t>(options_.initial_designs.cols());
   scheduling.explores = Explores();
   return scheduling;
@@ -172,8 +174,9 @@ PerformanceBuffer::Options BufferOptions(const DiscoveryOptions& options,
   PerformanceBuffer::Options buffer;
   buffer.tolerance = options.delta_b;
   buffer.cells_per_angle = options.cells_per_angle;
-  if (buffer.cells_per_angle == 0)
+  if (buffer.cells_per_angle == 0) {
     buffer.cells_per_angle = metric_count <= 2 ? 1000 : metric_count == 3 ? 100 : 64;
+  }
   if (metric_count <= 3) return buffer;
   const double most = std::pow(kMostCells, 1 / static_cast<double>(metric_count - 1));
   buffer.cells_per_angle = std::min(buffer.cells_per_angle, static_cast<int>(most));

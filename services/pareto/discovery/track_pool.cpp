@@ -63,8 +63,9 @@ std::optional<TrackPool::Request> TrackPool::Ask(Archive& archive, std::int64_t 
                                                  const FindDesign& find, bool only_polishes) {
   for (auto& [id, track] : tracks_) {
     if (only_polishes && id != kFinishing && track.kind != TrackKind::kPolish) continue;
-    if (std::optional<Eigen::VectorXd> u = NextPoint(track, archive, number, find))
+    if (std::optional<Eigen::VectorXd> u = NextPoint(track, archive, number, find)) {
       return Request{id, *std::move(u)};
+    }
   }
   return std::nullopt;
 }

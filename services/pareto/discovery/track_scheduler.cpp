@@ -151,8 +151,9 @@ TrackScheduler::Track TrackScheduler::OpeningTrack(const Archive& archive) {
   const bool second = opened_ > d;
   std::vector<std::size_t> candidates;
   for (std::size_t entry = options_.given;
-       second && entry < std::min(options_.second_look, archive.size()); ++entry)
+       second && entry < std::min(options_.second_look, archive.size()); ++entry) {
     if (archive[entry].feasible) candidates.push_back(entry);
+  }
   if (candidates.empty()) candidates = archive.non_dominated();
   const std::size_t start = OpeningStart(archive, scaling, metric, candidates);
   const VectorXd y = scaling.Apply(archive[start].metrics);
@@ -187,9 +188,11 @@ TrackScheduler::Track TrackScheduler::ElsewhereTrack(const Archive& archive,
   Scaling scaling = archive.CurrentScaling();
   scaling.range = archive.WholeRange().cwiseMax(1e-3 * scaling.range);
   std::vector<std::size_t> candidates;
-  for (std::size_t entry = 0; entry < archive.size(); ++entry)
-    if (archive[entry].feasible && entry != archive.non_dominated().front())
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
+    if (archive[entry].feasible && entry != archive.non_dominated().front()) {
       candidates.push_back(entry);
+    }
+  }
   if (candidates.empty()) return RefineTrack(archive, buffer);
   LocalOptimization::Options options = options_.optimization;
   options.join = false;
@@ -208,8 +211,9 @@ TrackScheduler::Track TrackScheduler::PlanarGapTrack(const Archive& archive,
                                                      const PerformanceBuffer& buffer) {
   const Scaling& scaling = buffer.scaling();
   std::vector<std::pair<VectorXd, std::size_t>> front;
-  for (const std::size_t entry : archive.non_dominated())
+  for (const std::size_t entry : archive.non_dominated()) {
     front.emplace_back(scaling.Apply(archive[entry].metrics), entry);
+  }
   std::sort(front.begin(), front.end(),
             [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
   std::size_t widest = 0;
@@ -302,16 +306,18 @@ TrackScheduler::Track TrackScheduler::RefineTrack(const Archive& archive,
 TrackScheduler::Track TrackScheduler::BridgeTrack(const Archive& archive,
                                                   const PerformanceBuffer& buffer) {
   std::vector<VectorXd> points;
-  for (Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
+  for (Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_)) {
     points.push_back(std::move(bridge.u));
+  }
   return {TrackKind::kBridge, nullptr, std::make_unique<PointList>(std::move(points))};
 }
 
 TrackScheduler::Track TrackScheduler::Polish(const Archive& archive,
                                              const PerformanceBuffer& buffer) {
   std::vector<VectorXd> points;
-  for (const Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_))
+  for (const Bridge& bridge : bridging_.Next(archive, buffer.scaling(), kBridges, random_)) {
     points.push_back(Polished(archive, buffer.scaling(), bridge.u, bridge.length).u);
+  }
   return {TrackKind::kPolish, nullptr, std::make_unique<PointList>(std::move(points))};
 }
 

@@ -19,8 +19,9 @@ constexpr std::int64_t kShare = 8;        // one part of so many of the budget
 MatrixXd Scaled(const MatrixXd& metrics) {
   const VectorXd least = metrics.rowwise().minCoeff();
   VectorXd range = metrics.rowwise().maxCoeff() - least;
-  for (double& value : range)
+  for (double& value : range) {
     if (!(value > 0)) value = 1;
+  }
   return range.cwiseInverse().asDiagonal() * (metrics.colwise() - least);
 }
 
@@ -40,9 +41,11 @@ std::vector<Eigen::Index> SpreadOrder(const MatrixXd& metrics, Eigen::Index most
   for (Eigen::Index metric = 0; metric < scaled.rows(); ++metric) {
     // Several may be the best in it; one that no other of them dominates is taken.
     Eigen::Index best = 0;
-    for (Eigen::Index i = 1; i < scaled.cols(); ++i)
-      if (std::pair(scaled(metric, i), sums[i]) < std::pair(scaled(metric, best), sums[best]))
+    for (Eigen::Index i = 1; i < scaled.cols(); ++i) {
+      if (std::pair(scaled(metric, i), sums[i]) < std::pair(scaled(metric, best), sums[best])) {
         best = i;
+      }
+    }
     if (distance[best] >= 0) take(best);
   }
   while (static_cast<Eigen::Index>(order.size()) < std::min(most, scaled.cols())) {
@@ -79,8 +82,9 @@ MatrixXd StartDesigns(const DesignSpace& space, const std::vector<EarlierFront>&
     }
   }
   MatrixXd columns(space.size(), static_cast<Eigen::Index>(designs.size()));
-  for (std::size_t i = 0; i < designs.size(); ++i)
+  for (std::size_t i = 0; i < designs.size(); ++i) {
     columns.col(static_cast<Eigen::Index>(i)) = designs[i];
+  }
   return columns;
 }
 

@@ -31,8 +31,9 @@ class ScaledProblem {
   std::optional<std::pair<VectorXd, MatrixXd>> At(const VectorXd& u) const {
     const Evaluation evaluation = evaluate_(DesignOf(u));
     if (evaluation.status != EvaluationStatus::kEvaluated || !evaluation.metrics.allFinite() ||
-        evaluation.jacobian.size() == 0 || !evaluation.jacobian.allFinite())
+        evaluation.jacobian.size() == 0 || !evaluation.jacobian.allFinite()) {
       return std::nullopt;
+    }
     return std::pair(scaling_.Apply(evaluation.metrics),
                      MatrixXd(scaling_.range.cwiseInverse().asDiagonal() * evaluation.jacobian *
                               (space_.upper - space_.lower).asDiagonal()));
@@ -71,8 +72,9 @@ MatrixXd HessianAt(const ScaledProblem& problem, const VectorXd& z, const Vector
     up[i] = std::min(u[i] + kDifference, 1.0);
     down[i] = std::max(u[i] - kDifference, 0.0);
     const Distance above = DistanceAt(problem, z, up), below = DistanceAt(problem, z, down);
-    if (above.gradient.size() > 0 && below.gradient.size() > 0)
+    if (above.gradient.size() > 0 && below.gradient.size() > 0) {
       hessian.col(i) = (above.gradient - below.gradient) / (up[i] - down[i]);
+    }
   }
   return 0.5 * (hessian + hessian.transpose());
 }
@@ -120,8 +122,9 @@ std::vector<double> FrontErrors(const DesignSpace& space, const Front& front,
                                 const std::function<Evaluation(const VectorXd&)>& evaluate,
                                 double delta_n) {
   std::vector<double> errors;
-  for (const FrontPoint& point : front.points)
+  for (const FrontPoint& point : front.points) {
     errors.push_back(PushAlongNormal(space, front.scaling, evaluate, point.x, delta_n).error);
+  }
   return errors;
 }
 

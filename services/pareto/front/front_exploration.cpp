@@ -55,8 +55,9 @@ LocalFrame FitFrame(MatrixXd metrics, MatrixXd parameters) {
   const VectorXd& sizes = svd.singularValues();
   Index rank = 0;
   while (rank < std::min<Index>(metrics.rows() - 1, sizes.size()) && sizes[rank] > 0 &&
-         sizes[rank] > kFlat * sizes[0])
+         sizes[rank] > kFlat * sizes[0]) {
     ++rank;
+  }
   LocalFrame frame;
   frame.metrics = svd.matrixU().leftCols(rank);
   frame.parameters =
@@ -66,8 +67,9 @@ LocalFrame FitFrame(MatrixXd metrics, MatrixXd parameters) {
 
 VectorXd SharesOf(const VectorXd& change, const VectorXd& ranges) {
   VectorXd shares = VectorXd::Zero(change.size());
-  for (Index i = 0; i < change.size(); ++i)
+  for (Index i = 0; i < change.size(); ++i) {
     if (ranges[i] > 0) shares[i] = std::pow(change[i] / ranges[i], 2);
+  }
   const double sum = shares.sum();
   if (sum > 0) shares /= sum;
   return shares;
@@ -107,27 +109,32 @@ FrontExploration::FrontExploration(FrontPoints points) : points_(std::move(point
 absl::StatusOr<int> FrontExploration::AtEmbedding(const VectorXd& position) const {
   if (size() == 0) return EmptyFront();
   const Index needed = points_.embedding.rows();
-  if (position.size() != needed)
+  if (position.size() != needed) {
     return InvalidField("embedding",
                         absl::StrCat(needed, " coordinates are needed, not ", position.size()));
-  for (Index i = 0; i < needed; ++i)
-    if (!(position[i] >= 0 && position[i] <= 1))
+  }
+  for (Index i = 0; i < needed; ++i) {
+    if (!(position[i] >= 0 && position[i] <= 1)) {
       return InvalidField(absl::StrCat("embedding[", i, "]"), "must lie between 0 and 1");
+    }
+  }
   return NearestColumn(rays_, RaysAt(position));
 }
 
 absl::StatusOr<int> FrontExploration::AtMetric(Index metric, double value) const {
   if (size() == 0) return EmptyFront();
-  if (metric < 0 || metric >= points_.metrics.rows())
+  if (metric < 0 || metric >= points_.metrics.rows()) {
     return InvalidField("metric.name", "the front has no such metric");
+  }
   if (!std::isfinite(value)) return InvalidField("metric.value", "must be a finite number");
   return NearestColumn(points_.metrics.row(metric), VectorXd::Constant(1, value));
 }
 
 absl::StatusOr<int> FrontExploration::At(int point) const {
   if (size() == 0) return EmptyFront();
-  if (point < 0 || point >= size())
+  if (point < 0 || point >= size()) {
     return InvalidField("index", absl::StrCat("the front has points 0 to ", size() - 1));
+  }
   return point;
 }
 
@@ -140,8 +147,9 @@ std::vector<int> FrontExploration::NeighboursOf(int point) const {
   }
   const VectorXd here = rays_.col(point);
   std::vector<std::pair<double, int>> distances;
-  for (int i = 0; i < size(); ++i)
+  for (int i = 0; i < size(); ++i) {
     if (i != point) distances.emplace_back((rays_.col(i) - here).squaredNorm(), i);
+  }
   neighbours = FirstOf(std::move(distances), NeighboursOnFront(rays_.rows()));
   std::ranges::sort(neighbours);
   return neighbours;
@@ -169,9 +177,11 @@ std::vector<int> FrontExploration::Walk(int point, Index metric, int steps) cons
 
 std::vector<int> FrontExploration::NearestOnPiece(int point, int count) const {
   std::vector<std::pair<double, int>> distances;
-  for (int i = 0; i < size(); ++i)
-    if (points_.piece[i] == points_.piece[point])
+  for (int i = 0; i < size(); ++i) {
+    if (points_.piece[i] == points_.piece[point]) {
       distances.emplace_back((scaled_.col(i) - scaled_.col(point)).squaredNorm(), i);
+    }
+  }
   return FirstOf(std::move(distances), count);
 }
 

@@ -47,8 +47,9 @@ Eigen::VectorXd Numbers(const google::protobuf::RepeatedField<double>& values) {
 }
 
 absl::StatusOr<render::Drawing> Drawn(const v1::Front& front) {
-  if (front.points().empty())
+  if (front.points().empty()) {
     return PreconditionFailed("FRONT_EMPTY", "the front has no points to draw", front.name());
+  }
   const Eigen::Index count = front.points_size(), D = front.parameter_names_size(),
                      d = front.metric_names_size();
   FrontPicture picture;
@@ -76,8 +77,9 @@ absl::StatusOr<render::Drawing> Drawn(const v1::Front& front) {
           : Eigen::VectorXd(picture.parameters.rowwise().maxCoeff() -
                             picture.parameters.rowwise().minCoeff());
   picture.signs = Eigen::VectorXd::Ones(d);
-  for (int k = 0; k < std::min<int>(front.specification().objectives_size(), d); ++k)
+  for (int k = 0; k < std::min<int>(front.specification().objectives_size(), d); ++k) {
     if (front.specification().objectives(k).maximize()) picture.signs[k] = -1;
+  }
   return DrawFront(picture);
 }
 
@@ -90,10 +92,12 @@ std::string FrontAsCsv(const v1::Front& front) {
     absl::StrAppend(&csv, Quoted(name), ",");
     if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(Label(name, "choice")), ",");
   }
-  for (int i = 0; i < front.metric_names_size(); ++i)
+  for (int i = 0; i < front.metric_names_size(); ++i) {
     absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
-  for (int i = 0; i < front.specification().constraints_size(); ++i)
+  }
+  for (int i = 0; i < front.specification().constraints_size(); ++i) {
     absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
+  }
   const bool robust = front.specification().tolerances_size() > 0;
   for (int i = 0; robust && i < front.metric_names_size(); ++i) {
     const std::string &name = front.metric_names(i), &unit = front.metric_units(i);
@@ -107,11 +111,13 @@ std::string FrontAsCsv(const v1::Front& front) {
       if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(point.choices(i)), ",");
     }
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
-    for (const double value : point.constraint_metrics())
+    for (const double value : point.constraint_metrics()) {
       absl::StrAppendFormat(&csv, "%.17g,", value);
-    for (int i = 0; robust && i < point.metric_means_size(); ++i)
+    }
+    for (int i = 0; robust && i < point.metric_means_size(); ++i) {
       absl::StrAppendFormat(&csv, "%.17g,%.17g,", point.metric_means(i),
                             point.metric_deviations(i));
+    }
     absl::StrAppend(&csv, point.piece(), "\r\n");
   }
   return csv;
@@ -122,8 +128,9 @@ absl::StatusOr<std::string> FrontAsJson(const v1::Front& front) {
   options.add_whitespace = true;
   std::string json;
   const auto status = google::protobuf::util::MessageToJsonString(front, &json, options);
-  if (!status.ok())
+  if (!status.ok()) {
     return absl::InternalError(absl::StrCat("the front as JSON: ", std::string(status.message())));
+  }
   return json;
 }
 

@@ -85,13 +85,15 @@ struct Colours {
   explicit Colours(const FrontPicture& front) {
     std::vector<int> sizes(1 + static_cast<std::size_t>(std::ranges::max(front.piece)), 0);
     for (const int piece : front.piece) ++sizes[static_cast<std::size_t>(piece)];
-    for (std::size_t piece = 0; piece < sizes.size(); ++piece)
+    for (std::size_t piece = 0; piece < sizes.size(); ++piece) {
       if (sizes[piece] > 0) pieces.emplace_back(sizes[piece], static_cast<int>(piece));
+    }
     std::ranges::stable_sort(pieces,
                              [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<Color> hues(sizes.size(), kRest);
-    for (std::size_t rank = 0; rank < pieces.size(); ++rank)
+    for (std::size_t rank = 0; rank < pieces.size(); ++rank) {
       hues[static_cast<std::size_t>(pieces[rank].second)] = Hue(rank);
+    }
     const double darkest = std::max(front.jump.maxCoeff(), kDarkJump);
     for (std::size_t i = 0; i < front.piece.size(); ++i) {
       const double share = front.jump[static_cast<Index>(i)] / darkest;
@@ -109,9 +111,10 @@ struct Colours {
 void DrawPoints(Drawing& drawing, const std::vector<Vector2d>& places, const Colours& colours,
                 const std::vector<Index>& order) {
   const double radius = order.size() > 1500 ? 1.8 : order.size() > 300 ? 2.4 : 3.4;
-  for (const Index i : order)
+  for (const Index i : order) {
     drawing.Add(Drawing::Disc{places[static_cast<std::size_t>(i)], radius,
                               colours.of_points[static_cast<std::size_t>(i)]});
+  }
 }
 
 std::vector<Index> InOrder(Index count) {
@@ -219,8 +222,9 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
   }
   for (const Index i : drawn) {
     Drawing::Line line{{}, colours.of_points[static_cast<std::size_t>(i)], 0.7};
-    for (Index m = 0; m < d; ++m)
+    for (Index m = 0; m < d; ++m) {
       line.points.push_back(panel.At(across(m), height(m, front.metrics(m, i))));
+    }
     drawing.Add(std::move(line));
   }
   for (Index m = 0; m < d; ++m) {
@@ -246,9 +250,10 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
 void DrawPerformance(Drawing& drawing, const Panel& panel, const FrontPicture& front,
                      const Colours& colours) {
   const Index d = front.metrics.rows();
-  if (d == 2)
+  if (d == 2) {
     return DrawScatter(drawing, panel, front.metrics, LabelOf(front, 0), LabelOf(front, 1),
                        colours);
+  }
   if (d > 3) return DrawParallelAxes(drawing, panel, front, colours);
   DrawBox(drawing, panel, front.metrics, {LabelOf(front, 0), LabelOf(front, 1), LabelOf(front, 2)},
           colours);
@@ -259,8 +264,9 @@ std::vector<Index> Varying(const FrontPicture& front, double least) {
   std::vector<Index> varying;
   for (Index i = 0; i < front.parameters.rows(); ++i) {
     const auto values = front.parameters.row(i);
-    if (values.maxCoeff() - values.minCoeff() > least * front.parameter_ranges[i])
+    if (values.maxCoeff() - values.minCoeff() > least * front.parameter_ranges[i]) {
       varying.push_back(i);
+    }
   }
   return varying;
 }
@@ -294,8 +300,9 @@ void DrawDesigns(Drawing& drawing, const Panel& panel, const FrontPicture& front
   std::vector<Index> varying = Varying(front, kVarying);
   if (varying.empty()) varying = Varying(front, 0);
   std::vector<std::string> labels;
-  for (const Index i : varying)
+  for (const Index i : varying) {
     labels.push_back(front.parameter_names[static_cast<std::size_t>(i)]);
+  }
   if (varying.empty()) {
     Write(drawing, panel.Middle(), "all the same design", kFont, Drawing::Anchor::kMiddle);
   } else if (varying.size() == 1) {
@@ -442,8 +449,9 @@ void DrawLegend(Drawing& drawing, const Colours& colours) {
     entry(Colours::Hue(rank),
           absl::StrCat("piece ", piece, ": ", points, points == 1 ? " point" : " points"));
   }
-  if (listed < colours.pieces.size())
+  if (listed < colours.pieces.size()) {
     entry(kRest, absl::StrCat(colours.pieces.size() - listed, " smaller ones"));
+  }
 }
 
 }  // namespace

@@ -42,8 +42,9 @@ VectorXd UnitRange(const DesignSpace& space) {
 
 PiecePoints PointsOf(const DesignSpace& space, const Front& front, std::size_t piece) {
   std::vector<const FrontPoint*> points;
-  for (const FrontPoint& point : front.points)
+  for (const FrontPoint& point : front.points) {
     if (point.piece == static_cast<int>(piece)) points.push_back(&point);
+  }
   const auto count = static_cast<Index>(points.size());
   PiecePoints of;
   of.u.resize(space.size(), count);
@@ -68,8 +69,9 @@ void AddLine(const PiecePoints& points, const std::vector<Index>& on, std::vecto
   values.insert(2 * *values.begin() - *std::next(values.begin()));
   values.insert(2 * *values.rbegin() - *std::next(values.rbegin()));
   const auto at = [&](double t) -> VectorXd { return points.centre + t * points.directions; };
-  for (auto t = values.begin(); std::next(t) != values.end(); ++t)
+  for (auto t = values.begin(); std::next(t) != values.end(); ++t) {
     to.push_back({at(*t), at(*std::next(t))});
+  }
 }
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
@@ -81,8 +83,9 @@ std::vector<Eigen::Vector2d> Hull(std::vector<Eigen::Vector2d> points) {
   std::ranges::sort(points, {}, [](const auto& p) { return std::pair(p[0], p[1]); });
   std::vector<Eigen::Vector2d> hull;
   const auto add = [&](const Eigen::Vector2d& point, std::size_t least) {
-    while (hull.size() > least && Cross(hull[hull.size() - 2], hull.back(), point) <= 0)
+    while (hull.size() > least && Cross(hull[hull.size() - 2], hull.back(), point) <= 0) {
       hull.pop_back();
+    }
     hull.push_back(point);
   };
   for (const auto& point : points) add(point, 1);
@@ -102,15 +105,17 @@ void AddHull(const PiecePoints& points, const std::vector<Index>& on, std::vecto
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const auto& corner : hull) middle += corner / static_cast<double>(hull.size());
   double area = 0;
-  for (std::size_t i = 0; i < hull.size(); ++i)
+  for (std::size_t i = 0; i < hull.size(); ++i) {
     area += Cross(middle, hull[i], hull[(i + 1) % hull.size()]) / 2;
+  }
   const double beyond = std::sqrt(area / static_cast<double>(found.size()));
   for (auto& corner : hull) corner += beyond * (corner - middle).normalized();
   const auto at = [&](const Eigen::Vector2d& t) -> VectorXd {
     return points.centre + points.directions * t;
   };
-  for (std::size_t i = 0; i < hull.size(); ++i)
+  for (std::size_t i = 0; i < hull.size(); ++i) {
     to.push_back({at(middle), at(hull[i]), at(hull[(i + 1) % hull.size()])});
+  }
 }
 
 // What lies straight between neighbours that are not both on the subspace.
@@ -119,20 +124,23 @@ void AddBetween(const PiecePoints& points, std::vector<Element>& to) {
     return points.directions.cols() == 0 || points.offset[i] > kOnSubspace;
   };
   if (points.embedding.rows() == 1) {
-    for (Index i = 0; i + 1 < points.u.cols(); ++i)
+    for (Index i = 0; i + 1 < points.u.cols(); ++i) {
       if (is_off(i) || is_off(i + 1)) to.push_back({points.u.col(i), points.u.col(i + 1)});
+    }
     return;
   }
   if (points.directions.cols() > 0 && points.offset.maxCoeff() <= kOnSubspace) return;
   std::vector<std::set<Index>> after(static_cast<std::size_t>(points.u.cols()));
-  for (const auto& [i, k] : NeighboursAlong(points.embedding))
+  for (const auto& [i, k] : NeighboursAlong(points.embedding)) {
     after[static_cast<std::size_t>(i)].insert(k);
+  }
   for (Index i = 0; i < points.u.cols(); ++i) {
     const std::set<Index>& of_i = after[static_cast<std::size_t>(i)];
     for (const Index j : of_i) {
       for (const Index k : after[static_cast<std::size_t>(j)]) {
-        if (of_i.contains(k) && (is_off(i) || is_off(j) || is_off(k)))
+        if (of_i.contains(k) && (is_off(i) || is_off(j) || is_off(k))) {
           to.push_back({points.u.col(i), points.u.col(j), points.u.col(k)});
+        }
       }
     }
   }
@@ -141,8 +149,9 @@ void AddBetween(const PiecePoints& points, std::vector<Element>& to) {
 std::vector<Element> ElementsOf(const PiecePoints& points, double tolerance) {
   std::vector<Element> elements;
   std::vector<Index> on;
-  for (Index i = 0; i < points.u.cols(); ++i)
+  for (Index i = 0; i < points.u.cols(); ++i) {
     if (points.offset[i] <= tolerance) on.push_back(i);
+  }
   if (points.directions.cols() == 1) AddLine(points, on, elements);
   if (points.directions.cols() == 2) AddHull(points, on, elements);
   AddBetween(points, elements);
@@ -209,8 +218,9 @@ class Refinement {
     Corner& corner = corners_.emplace_back(Corner{u, {}});
     if (evaluation.status == EvaluationStatus::kEvaluated && evaluation.metrics.allFinite()) {
       corner.performance = scaling_.Apply(evaluation.metrics);
-      if ((evaluation.constraints.array() <= 0).all())
+      if ((evaluation.constraints.array() <= 0).all()) {
         result_.metrics.push_back(evaluation.metrics);
+      }
     }
     return corners_.size() - 1;
   }
@@ -261,8 +271,9 @@ PieceEvaluation EvaluatePieces(const DesignSpace& space, const Front& front,
                                const PieceEvaluationOptions& options) {
   Refinement refinement(space, front, evaluate, options);
   for (std::size_t piece = 0; piece < front.pieces.size(); ++piece) {
-    for (const Element& element : ElementsOf(PointsOf(space, front, piece), options.tolerance))
+    for (const Element& element : ElementsOf(PointsOf(space, front, piece), options.tolerance)) {
       refinement.Add(element);
+    }
   }
   return refinement.Run();
 }

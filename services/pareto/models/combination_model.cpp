@@ -23,8 +23,9 @@ CombinationModel::CombinationModel(const std::vector<DiscreteParameter>& discret
   Eigen::VectorXd features(size);
   for (const Sample& sample : samples) {
     features.setZero();
-    for (std::size_t k = 0; k < discrete.size(); ++k)
+    for (std::size_t k = 0; k < discrete.size(); ++k) {
       features[first_[k] + (*sample.combination)[k]] = 1;
+    }
     features.segment(rows, others) = sample.u;
     features.segment(rows + others, others) = sample.u.cwiseAbs2();
     features[size - 1] = 1;
@@ -39,8 +40,9 @@ CombinationModel::CombinationModel(const std::vector<DiscreteParameter>& discret
 
 Eigen::VectorXd CombinationModel::Difference(const Combination& from, const Combination& to) const {
   Eigen::VectorXd difference = Eigen::VectorXd::Zero(effects_.cols());
-  for (std::size_t k = 0; k < first_.size(); ++k)
+  for (std::size_t k = 0; k < first_.size(); ++k) {
     difference += (effects_.row(first_[k] + to[k]) - effects_.row(first_[k] + from[k])).transpose();
+  }
   return difference;
 }
 

@@ -22,16 +22,19 @@ std::int64_t Times(std::int64_t count, std::int64_t values) {
 
 // How many values a whole number takes; 0 for a parameter that is none, or takes but one.
 std::int64_t WholeNumbers(const DesignSpace& space, Eigen::Index i) {
-  if (space.step.size() == 0 || space.step[i] != 1 || space.lower[i] != std::round(space.lower[i]))
+  if (space.step.size() == 0 || space.step[i] != 1 ||
+      space.lower[i] != std::round(space.lower[i])) {
     return 0;
+  }
   const double count = std::floor(space.upper[i] - space.lower[i]) + 1;
   return count < 2 || count > 1e9 ? 0 : static_cast<std::int64_t>(count);
 }
 
 DiscreteParameter WholeNumber(const DesignSpace& space, Eigen::Index i) {
   DiscreteParameter parameter{i, {}};
-  for (double value = space.lower[i]; value <= space.upper[i]; ++value)
+  for (double value = space.lower[i]; value <= space.upper[i]; ++value) {
     parameter.values.push_back(value);
+  }
   return parameter;
 }
 
@@ -42,15 +45,19 @@ absl::Status Validate(const std::vector<DiscreteParameter>& discrete, const Desi
   for (std::size_t k = 0; k < discrete.size(); ++k) {
     const auto& [parameter, values] = discrete[k];
     const std::string field = absl::StrCat("discrete[", k, "]");
-    if (parameter < 0 || parameter >= space.size())
+    if (parameter < 0 || parameter >= space.size()) {
       return InvalidField(field + ".parameter", "there is no such parameter");
-    if (!known.insert(parameter).second)
+    }
+    if (!known.insert(parameter).second) {
       return InvalidField(field + ".parameter", "is given twice");
+    }
     if (values.empty()) return InvalidField(field + ".values", "at least one is needed");
-    if (std::ranges::adjacent_find(values, std::greater_equal<>()) != values.end())
+    if (std::ranges::adjacent_find(values, std::greater_equal<>()) != values.end()) {
       return InvalidField(field + ".values", "must ascend");
-    if (!(values.front() >= space.lower[parameter]) || !(values.back() <= space.upper[parameter]))
+    }
+    if (!(values.front() >= space.lower[parameter]) || !(values.back() <= space.upper[parameter])) {
       return InvalidField(field + ".values", "must lie within the parameter's bounds");
+    }
   }
   return absl::OkStatus();
 }
@@ -59,10 +66,12 @@ std::vector<Eigen::Index> OtherParameters(const DesignSpace& space,
                                           const std::vector<DiscreteParameter>& discrete) {
   const Eigen::VectorXd most = space.FromUnit(Eigen::VectorXd::Ones(space.size()));
   std::vector<Eigen::Index> others;
-  for (Eigen::Index i = 0; i < space.size(); ++i)
+  for (Eigen::Index i = 0; i < space.size(); ++i) {
     if (most[i] > space.lower[i] &&
-        std::ranges::find(discrete, i, &DiscreteParameter::parameter) == discrete.end())
+        std::ranges::find(discrete, i, &DiscreteParameter::parameter) == discrete.end()) {
       others.push_back(i);
+    }
+  }
   return others;
 }
 
@@ -70,8 +79,9 @@ std::vector<DiscreteParameter> WithWholeNumbers(const DesignSpace& space,
                                                 std::vector<DiscreteParameter> choices,
                                                 std::int64_t evaluations) {
   std::int64_t count = 1;
-  for (const DiscreteParameter& choice : choices)
+  for (const DiscreteParameter& choice : choices) {
     count = Times(count, static_cast<std::int64_t>(choice.values.size()));
+  }
   std::vector<std::pair<std::int64_t, Eigen::Index>> whole;  // values, parameter
   std::int64_t all = count;
   bool others = false;
@@ -85,8 +95,9 @@ std::vector<DiscreteParameter> WithWholeNumbers(const DesignSpace& space,
   const bool enumerable = !others && all <= evaluations;
   for (const auto& [values, i] : whole) {
     if (!enumerable &&
-        (values > kFewValues || kEvaluationsACombination * Times(count, values) > evaluations))
+        (values > kFewValues || kEvaluationsACombination * Times(count, values) > evaluations)) {
       break;
+    }
     count = Times(count, values);
     choices.push_back(WholeNumber(space, i));
   }
@@ -95,8 +106,9 @@ std::vector<DiscreteParameter> WithWholeNumbers(const DesignSpace& space,
 
 CombinationSpace::CombinationSpace(DesignSpace space, std::vector<DiscreteParameter> discrete)
     : space_(std::move(space)), discrete_(std::move(discrete)) {
-  for (const DiscreteParameter& each : discrete_)
+  for (const DiscreteParameter& each : discrete_) {
     count_ = Times(count_, static_cast<std::int64_t>(each.values.size()));
+  }
 }
 
 Combination CombinationSpace::At(std::int64_t number) const {
@@ -142,8 +154,9 @@ std::vector<Combination> CombinationSpace::SpaceFilling(std::int64_t wanted, Ran
     for (std::size_t k = 0; k < discrete_.size(); ++k) {
       std::vector<int>& deck = decks[k];
       if (deck.empty()) {
-        for (std::size_t v = 0; v < discrete_[k].values.size(); ++v)
+        for (std::size_t v = 0; v < discrete_[k].values.size(); ++v) {
           deck.push_back(static_cast<int>(v));
+        }
         for (std::size_t v = deck.size(); v > 1; --v) std::swap(deck[v - 1], deck[random.Index(v)]);
       }
       combination.push_back(deck.back());
@@ -157,8 +170,9 @@ std::vector<Combination> CombinationSpace::SpaceFilling(std::int64_t wanted, Ran
 
 Combination CombinationSpace::Changed(const Combination& combination, Random& random) const {
   std::vector<std::size_t> varying;
-  for (std::size_t k = 0; k < discrete_.size(); ++k)
+  for (std::size_t k = 0; k < discrete_.size(); ++k) {
     if (discrete_[k].values.size() > 1) varying.push_back(k);
+  }
   if (varying.empty()) return combination;
   const std::size_t k = varying[random.Index(varying.size())];
   const std::size_t values = discrete_[k].values.size();

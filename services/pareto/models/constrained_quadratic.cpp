@@ -76,8 +76,9 @@ VectorXd Minimum(const Optimizer& optimizer, const VectorXd& lower, const Vector
 
 double Violation(const std::vector<QuadraticFunction>& constraints, const VectorXd& p) {
   double sum = 0;
-  for (const QuadraticFunction& constraint : constraints)
+  for (const QuadraticFunction& constraint : constraints) {
     sum += std::pow(std::max(0.0, constraint(p)), 2);
+  }
   return std::sqrt(sum);
 }
 
@@ -86,11 +87,13 @@ VectorXd MinimizeWithin(const QuadraticFunction& objective,
                         const VectorXd& upper) {
   QuadraticFunction minimized = objective;
   std::vector<QuadraticFunction> kept = constraints;
-  for (QuadraticFunction& constraint : kept)
+  for (QuadraticFunction& constraint : kept) {
     constraint.value = std::min(constraint.value + kInside, 0.0);
+  }
   const Optimizer optimizer = MakeOptimizer(Quadratic, &minimized, lower, upper);
-  for (QuadraticFunction& constraint : kept)
+  for (QuadraticFunction& constraint : kept) {
     nlopt_add_inequality_constraint(optimizer.get(), Quadratic, &constraint, kSlack);
+  }
   VectorXd p = Minimum(optimizer, lower, upper);
   const auto keeps = [&] {
     return std::ranges::all_of(

@@ -54,8 +54,9 @@ QuadraticModel DifferenceModel::Measured() const {
     const VectorXd second = (*two - model_.value) / second_[a];
     const VectorXd curvature = 2 * (first - second) / (first_[a] - second_[a]);
     measured.jacobian.col(i) = first - 0.5 * first_[a] * curvature;
-    for (Index k = 0; k < d; ++k)
+    for (Index k = 0; k < d; ++k) {
       measured.hessians[static_cast<std::size_t>(k)](i, i) = curvature[k];
+    }
   }
   std::size_t pair = 2 * n;
   for (std::size_t a = 0; a < n; ++a) {

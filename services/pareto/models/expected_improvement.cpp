@@ -52,8 +52,9 @@ ExpectedHypervolumeImprovement::ExpectedHypervolumeImprovement(const std::vector
                                                                const VectorXd& reference)
     : reference_(reference) {
   std::vector<VectorXd> inside;
-  for (const VectorXd& point : front)
+  for (const VectorXd& point : front) {
     if ((point.array() < reference.array()).all()) inside.push_back(point);
+  }
   if (reference.size() == 1) {
     VectorXd least = reference;
     for (const VectorXd& point : inside) least = least.cwiseMin(point).eval();
@@ -93,9 +94,10 @@ void ExpectedHypervolumeImprovement::CutSpace(std::vector<VectorXd> front) {
   std::ranges::sort(front, {}, [](const VectorXd& point) { return point[2]; });
   std::vector<Strip> strips = {{-kInfinity, reference_[0], reference_[1], -kInfinity}};
   const auto close = [&](const Strip& strip, double end) {
-    if (end > strip.begin)
+    if (end > strip.begin) {
       AddBox(Eigen::Vector3d(strip.from, -kInfinity, strip.begin),
              Eigen::Vector3d(strip.to, strip.ceiling, end));
+    }
   };
   for (const VectorXd& point : front) {
     std::vector<Strip> next;
@@ -124,8 +126,9 @@ void ExpectedHypervolumeImprovement::CastRays(const std::vector<VectorXd>& front
   for (int k = 0; k < kRays; ++k) {
     rays_.push_back(random.UnitVector(reference_.size()).cwiseAbs().cwiseMax(1e-9));
     double most = 0;
-    for (const VectorXd& point : front)
+    for (const VectorXd& point : front) {
       most = std::max(most, (reference_ - point).cwiseQuotient(rays_.back()).minCoeff());
+    }
     dominated_.push_back(most);
   }
 }

@@ -26,8 +26,9 @@ VectorXd LeastNormOnSimplex(const MatrixXd& G) {
   const double damping = 1e-14 * std::max(G.trace(), 1e-300);
   for (unsigned face = 1; face < (1U << d); ++face) {
     std::vector<Index> on;
-    for (Index i = 0; i < d; ++i)
+    for (Index i = 0; i < d; ++i) {
       if ((face >> i) & 1U) on.push_back(i);
+    }
     MatrixXd part = G(on, on);
     part.diagonal().array() += damping;
     VectorXd weights = part.ldlt().solve(VectorXd::Ones(static_cast<Index>(on.size())));
@@ -97,6 +98,22 @@ void Solve(const MatrixXd& J, const MatrixXd& normals, KktPoint& kkt) {
   }
 }
 
+// Returns the parameter held at a bound that most metrics would move away from; -1 if none would.
+Index MostConflicting(const MatrixXd& jacobian, const VectorXd& u,
+                      const std::vector<bool>& is_free) {
+  Index most = -1;
+  double conflict = 0;
+  for (Index i = 0; i < u.size(); ++i) {
+    if (is_free[static_cast<std::size_t>(i)]) continue;
+    const double here = Conflict(jacobian, i, u[i]);
+    if (here > conflict) {
+      conflict = here;
+      most = i;
+    }
+  }
+  return most;
+}
+
 }  // namespace
 
 KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, const MatrixXd& normals,
@@ -105,27 +122,20 @@ KktPoint RecoverDuals(const MatrixXd& jacobian, const VectorXd& u, const MatrixX
   const Index d = jacobian.rows();
   const MatrixXd constraints = normals.rows() > 0 ? normals : MatrixXd(0, D);
   std::vector<bool> is_free(static_cast<std::size_t>(D));
-  for (Index i = 0; i < D; ++i)
+  for (Index i = 0; i < D; ++i) {
     is_free[static_cast<std::size_t>(i)] = u[i] > bound_tolerance && u[i] < 1 - bound_tolerance;
+  }
   KktPoint kkt;
   kkt.beta = VectorXd::Zero(D);
   const auto collect = [&] {
     kkt.free.clear();
-    for (Index i = 0; i < D; ++i)
+    for (Index i = 0; i < D; ++i) {
       if (is_free[static_cast<std::size_t>(i)]) kkt.free.push_back(i);
+    }
   };
   collect();
   while (static_cast<Index>(kkt.free.size()) < d - 1) {
-    Index most = -1;
-    double conflict = 0;
-    for (Index i = 0; i < D; ++i) {
-      if (is_free[static_cast<std::size_t>(i)]) continue;
-      const double here = Conflict(jacobian, i, u[i]);
-      if (here > conflict) {
-        conflict = here;
-        most = i;
-      }
-    }
+    const Index most = MostConflicting(jacobian, u, is_free);
     if (most < 0) break;
     is_free[static_cast<std::size_t>(most)] = true;
     collect();

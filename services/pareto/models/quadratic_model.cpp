@@ -75,8 +75,9 @@ void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
   const Eigen::MatrixXd& here = centre.*modelled.jacobian;
   for (auto at = neighbours.rbegin(); at != neighbours.rend(); ++at) {
     const Eigen::MatrixXd& there = archive[*at].*modelled.jacobian;
-    if (!OffersGradient(there, row) || !there.row(row).allFinite() || !here.row(row).allFinite())
+    if (!OffersGradient(there, row) || !there.row(row).allFinite() || !here.row(row).allFinite()) {
       continue;
+    }
     const Eigen::VectorXd s = archive[*at].u - centre.u;
     const double square = s.squaredNorm();
     const double trust = 1 / (1 + 0.1 * s.cwiseQuotient(radii).squaredNorm());
@@ -91,15 +92,17 @@ void UpdateBySecants(const Archive& archive, const ArchiveEntry& centre,
 Eigen::VectorXd QuadraticModel::Predict(const Eigen::VectorXd& u) const {
   const Eigen::VectorXd s = u - centre;
   Eigen::VectorXd metrics = value + jacobian * s;
-  for (Index i = 0; i < value.size(); ++i)
+  for (Index i = 0; i < value.size(); ++i) {
     metrics[i] += 0.5 * s.dot(hessians[static_cast<std::size_t>(i)] * s);
+  }
   return metrics;
 }
 
 Eigen::MatrixXd QuadraticModel::WeightedHessian(const Eigen::VectorXd& weights) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(centre.size(), centre.size());
-  for (Index i = 0; i < value.size(); ++i)
+  for (Index i = 0; i < value.size(); ++i) {
     sum += weights[i] * hessians[static_cast<std::size_t>(i)];
+  }
   return sum;
 }
 
@@ -141,8 +144,9 @@ QuadraticModel Fit(const Archive& archive, std::size_t centre, double radius,
   for (Index i = 0; i < d; ++i) {
     if (OffersGradient(jacobian, i)) {
       // A slope may be infinite at a bound (a square root at 0): the prior stands in for it.
-      for (Index j = 0; j < D; ++j)
+      for (Index j = 0; j < D; ++j) {
         if (std::isfinite(jacobian(i, j))) model.jacobian(i, j) = jacobian(i, j);
+      }
       offered.push_back(i);
     } else {
       secant.push_back(i);
@@ -167,8 +171,9 @@ QuadraticModel Fit(const Archive& archive, std::size_t centre, double radius,
       distances.unaryExpr([](double r) { return kInterpolation + kCubicSlack * std::pow(r, 6); });
   FitKernels(t, residuals, slack, 1.0, radii, secant, model);
   FitKernels(t, residuals, slack, 0.0, radii, offered, model);
-  for (const Index i : offered)
+  for (const Index i : offered) {
     UpdateBySecants(archive, entry, neighbours, radii, modelled, i, model);
+  }
   return model;
 }
 

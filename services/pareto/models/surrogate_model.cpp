@@ -27,8 +27,9 @@ double MedianOf(VectorXd values) {
 
 MatrixXd PointsOf(const Archive& archive, const std::vector<std::size_t>& entries) {
   MatrixXd points(archive[entries.front()].u.size(), static_cast<Index>(entries.size()));
-  for (std::size_t k = 0; k < entries.size(); ++k)
+  for (std::size_t k = 0; k < entries.size(); ++k) {
     points.col(static_cast<Index>(k)) = archive[entries[k]].u;
+  }
   return points;
 }
 
@@ -48,8 +49,9 @@ double DistanceFromFront(const Archive& archive, const Scaling& scaling, std::si
 // after the others.
 std::vector<std::size_t> NearestToFront(const Archive& archive, const Scaling& scaling) {
   std::vector<double> distances(archive.size());
-  for (std::size_t entry = 0; entry < archive.size(); ++entry)
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
     distances[entry] = DistanceFromFront(archive, scaling, entry);
+  }
   std::vector<std::size_t> order(archive.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t entry) {
@@ -61,8 +63,9 @@ std::vector<std::size_t> NearestToFront(const Archive& archive, const Scaling& s
 // At most `count` of them, evenly from first to last.
 std::vector<Index> Spread(Index size, Index count) {
   std::vector<Index> chosen;
-  for (Index k = 0; k < std::min(size, count); ++k)
+  for (Index k = 0; k < std::min(size, count); ++k) {
     chosen.push_back(size <= count ? k : k * size / count);
+  }
   return chosen;
 }
 
@@ -78,8 +81,9 @@ std::pair<double, double> LogCumulative(double z) {
 
 VectorXd LearntMetrics::Of(const VectorXd& metrics) const {
   VectorXd learnt = scaling.Apply(metrics);
-  for (Index i = 0; i < learnt.size(); ++i)
+  for (Index i = 0; i < learnt.size(); ++i) {
     if (learnt[i] > knees[i]) learnt[i] = knees[i] * (1 + std::log(learnt[i] / knees[i]));
+  }
   return learnt;
 }
 
@@ -115,18 +119,21 @@ void SurrogateModel::Learn(const Archive& archive) {
 void SurrogateModel::LearnMetrics(const Archive& archive, const std::vector<std::size_t>& entries) {
   const Index d = learnt_.scaling.ideal.size();
   MatrixXd scaled(d, static_cast<Index>(entries.size()));
-  for (std::size_t k = 0; k < entries.size(); ++k)
+  for (std::size_t k = 0; k < entries.size(); ++k) {
     scaled.col(static_cast<Index>(k)) = learnt_.scaling.Apply(archive[entries[k]].metrics);
+  }
   learnt_.knees.resize(d);
   for (Index i = 0; i < d; ++i) learnt_.knees[i] = std::max(kLeastKnee, MedianOf(scaled.row(i)));
   kept_metrics_.resize(static_cast<std::size_t>(d));
   const MatrixXd points = PointsOf(archive, entries);
   MatrixXd values(d, points.cols());
-  for (Index k = 0; k < points.cols(); ++k)
+  for (Index k = 0; k < points.cols(); ++k) {
     values.col(k) = learnt_.Of(archive[entries[static_cast<std::size_t>(k)]].metrics);
-  for (Index i = 0; i < d; ++i)
+  }
+  for (Index i = 0; i < d; ++i) {
     metrics_.push_back(
         Trained(points, values.row(i).transpose(), kept_metrics_[static_cast<std::size_t>(i)]));
+  }
 }
 
 void SurrogateModel::LearnConstraints(const Archive& archive,
@@ -136,8 +143,9 @@ void SurrogateModel::LearnConstraints(const Archive& archive,
   const MatrixXd points = PointsOf(archive, entries);
   for (Index j = 0; j < m; ++j) {
     VectorXd values(points.cols());
-    for (Index k = 0; k < points.cols(); ++k)
+    for (Index k = 0; k < points.cols(); ++k) {
       values[k] = archive[entries[static_cast<std::size_t>(k)]].constraints[j];
+    }
     if (values.maxCoeff() <= 0) continue;
     const double median = MedianOf(values.cwiseAbs());
     const double size = median > 0 ? median : values.cwiseAbs().maxCoeff();
@@ -149,8 +157,9 @@ void SurrogateModel::LearnConstraints(const Archive& archive,
 void SurrogateModel::LearnFailures(const Archive& archive,
                                    const std::vector<std::size_t>& entries) {
   VectorXd values(static_cast<Index>(entries.size()));
-  for (std::size_t k = 0; k < entries.size(); ++k)
+  for (std::size_t k = 0; k < entries.size(); ++k) {
     values[static_cast<Index>(k)] = archive[entries[k]].evaluated ? -1 : 1;
+  }
   limits_.push_back(Trained(PointsOf(archive, entries), values, kept_failure_));
 }
 
@@ -177,14 +186,16 @@ SurrogateModel::Belief SurrogateModel::At(const VectorXd& u) const {
 
 SurrogateModel::Beliefs SurrogateModel::AtAll(const MatrixXd& designs) const {
   Beliefs beliefs;
-  for (const GaussianProcess& metric : metrics_)
+  for (const GaussianProcess& metric : metrics_) {
     beliefs.metrics.push_back(metric.PredictAll(designs));
+  }
   beliefs.log_feasibilities = VectorXd::Zero(designs.cols());
   for (const GaussianProcess& limit : limits_) {
     const GaussianProcess::Predictions predictions = limit.PredictAll(designs);
-    for (Index k = 0; k < designs.cols(); ++k)
+    for (Index k = 0; k < designs.cols(); ++k) {
       beliefs.log_feasibilities[k] +=
           LogCumulative(-predictions.means[k] / predictions.deviations[k]).first;
+    }
   }
   return beliefs;
 }

@@ -27,11 +27,12 @@ std::string WithUnit(const std::string& number, const std::string& unit) {
 absl::Status CheckDistance(double minimum, double maximum, const std::string& field) {
   if (minimum > maximum) return InvalidField(field, "lies below the minimum");
   const double size = std::max(std::abs(minimum), std::abs(maximum));
-  if (size == 0)
+  if (size == 0) {
     return InvalidField(field,
                         "is the minimum, 0: designs meet a single value by chance only, and 0 has "
                         "no size that a band about it could be a part of. Give a minimum below "
                         "and a maximum above it");
+  }
   if (minimum == maximum || maximum - minimum >= kLeast * size) return absl::OkStatus();
   return InvalidField(
       field,
@@ -81,25 +82,31 @@ std::vector<std::string> Constraint::Missed(const Eigen::Ref<const Eigen::Vector
 }
 
 absl::Status CheckConstraints(const v1::DiscoverySpecification& specification) {
-  if (specification.constraints_size() > kMostConstraints)
+  if (specification.constraints_size() > kMostConstraints) {
     return InvalidField("specification.constraints",
                         absl::StrCat("at most ", kMostConstraints, " are possible, not ",
                                      specification.constraints_size()));
+  }
   std::set<std::string> names;
   for (int k = 0; k < specification.constraints_size(); ++k) {
     const auto& constraint = specification.constraints(k);
     const std::string field = absl::StrCat("specification.constraints[", k, "]");
-    if (!names.insert(constraint.metric()).second)
+    if (!names.insert(constraint.metric()).second) {
       return InvalidField(absl::StrCat(field, ".metric"), "is given twice");
-    if (!constraint.has_minimum() && !constraint.has_maximum())
+    }
+    if (!constraint.has_minimum() && !constraint.has_maximum()) {
       return InvalidField(absl::StrCat(field, ".maximum"), "a minimum or a maximum is needed");
-    if (!std::isfinite(constraint.minimum()))
+    }
+    if (!std::isfinite(constraint.minimum())) {
       return InvalidField(absl::StrCat(field, ".minimum"), "must be a finite number");
-    if (!std::isfinite(constraint.maximum()))
+    }
+    if (!std::isfinite(constraint.maximum())) {
       return InvalidField(absl::StrCat(field, ".maximum"), "must be a finite number");
-    if (constraint.has_minimum() && constraint.has_maximum())
+    }
+    if (constraint.has_minimum() && constraint.has_maximum()) {
       MORTISE_RETURN_IF_ERROR(CheckDistance(constraint.minimum(), constraint.maximum(),
                                             absl::StrCat(field, ".maximum")));
+    }
   }
   return absl::OkStatus();
 }
@@ -108,15 +115,17 @@ std::string MissedByNearest(const std::vector<Constraint>& constraints, const Ar
   std::size_t nearest = archive.size();
   for (std::size_t entry = 0; entry < archive.size(); ++entry) {
     if (!archive[entry].evaluated) continue;
-    if (nearest == archive.size() || archive.Violation(entry) < archive.Violation(nearest))
+    if (nearest == archive.size() || archive.Violation(entry) < archive.Violation(nearest)) {
       nearest = entry;
+    }
   }
   const Eigen::VectorXd& rows = archive[nearest].constraints;
   std::vector<std::string> missed;
   Eigen::Index row = 0;
   for (const Constraint& constraint : constraints) {
-    for (std::string& one : constraint.Missed(rows.segment(row, constraint.rows())))
+    for (std::string& one : constraint.Missed(rows.segment(row, constraint.rows()))) {
       missed.push_back(std::move(one));
+    }
     row += constraint.rows();
   }
   return absl::StrJoin(missed, "; ");

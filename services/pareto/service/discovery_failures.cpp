@@ -32,12 +32,14 @@ absl::Status NoFeasibleDesign(const std::string& subject, const DiscoveryProblem
                               const AskTell& discovery) {
   const AskTell::Summary summary = discovery.summary();
   std::string reasons;
-  if (summary.violating > 0)
+  if (summary.violating > 0) {
     reasons = absl::StrCat(" meets all constraints; the nearest does not because ",
                            MissedByNearest(problem.constraints, discovery.archive()));
-  if (summary.failed > 0)
+  }
+  if (summary.failed > 0) {
     absl::StrAppend(&reasons, reasons.empty() ? " could be evaluated: " : "; others failed: ",
                     CountsWithExamples(summary.failures));
+  }
   return PreconditionFailed(
       "NO_FEASIBLE_DESIGN",
       absl::StrCat("none of ", summary.evaluations, " designs of ", subject, reasons), subject);

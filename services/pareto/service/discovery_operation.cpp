@@ -103,8 +103,9 @@ class DiscoveryRun {
     if (specification().start_from().empty()) return absl::OkStatus();
     return environment_.store->Read([&](store::ReadTransaction& transaction) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(const auto record, transaction.Get(kStartKind, id_));
-      if (!start_.ParseFromString(record.payload))
+      if (!start_.ParseFromString(record.payload)) {
         return absl::InternalError("the stored designs to start from cannot be read");
+      }
       return absl::OkStatus();
     });
   }
@@ -145,21 +146,26 @@ class DiscoveryRun {
     progress.message =
         absl::StrFormat("hypervolume %.4f, %d cells covered, %d pieces followed, %d failed",
                         summary.hypervolume, summary.cells_covered, summary.pieces, summary.failed);
-    if (summary.failed > 0)
+    if (summary.failed > 0) {
       absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
-    if (summary.violating > 0)
+    }
+    if (summary.violating > 0) {
       absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");
-    if (summary.combinations > 1)
+    }
+    if (summary.combinations > 1) {
       absl::StrAppend(&progress.message, ", ", summary.combinations_tried, " of ",
                       summary.combinations, " combinations tried, ", summary.combinations_pruned,
                       " given up");
-    if (summary.surrogate.predictions > 0)
+    }
+    if (summary.surrogate.predictions > 0) {
       absl::StrAppendFormat(
           &progress.message, ", surrogate off by %.2g of the front (%.0f %% as it expected)",
           summary.surrogate.median_error, 100 * summary.surrogate.within_two_deviations);
-    if (each > 1)
+    }
+    if (each > 1) {
       absl::StrAppend(&progress.message, "; ", summary.evaluations, " designs of ", each,
                       " evaluations");
+    }
     return progress;
   }
 
@@ -177,8 +183,9 @@ class DiscoveryRun {
       progress.message = absl::StrCat(
           "waiting for ", specification().subject(), ": no answer for ", waited.count(), " s to ",
           calls, calls == 1 ? " call" : " calls", "; its workers may be busy or not running");
-      if (!progress_.message.empty())
+      if (!progress_.message.empty()) {
         absl::StrAppend(&progress.message, "; until then ", progress_.message);
+      }
       context_.ReportProgress(progress);
     };
     options.checkpoint = [this](const std::vector<std::pair<std::int64_t, Evaluation>>& batch) {
@@ -252,8 +259,9 @@ class DiscoveryRun {
                         const AskTell& discovery) {
     const AskTell::Summary summary = discovery.summary();
     if (absl::IsCancelled(lost) || absl::IsAborted(lost) ||
-        summary.failed + summary.violating == summary.evaluations)
+        summary.failed + summary.violating == summary.evaluations) {
       return lost;
+    }
     MORTISE_RETURN_IF_ERROR(StoreFront(problem, discovery).status());
     return WithDetail(absl::Status(lost.code(), absl::StrCat(lost.message(), "; ", FrontName(),
                                                              " keeps what was found from ",
@@ -271,8 +279,9 @@ class DiscoveryRun {
                              environment_.operations->Get(context_.name()));
     front.set_creator(operation.creator);
     resources::CopyTags(request_, &front);
-    for (std::string& remark : ChangedAnswers(start_, problem, discovery.archive()))
+    for (std::string& remark : ChangedAnswers(start_, problem, discovery.archive())) {
       front.add_remarks(std::move(remark));
+    }
     MORTISE_RETURN_IF_ERROR(Store(front));
     front.clear_points();
     return rpc::PackResult(front);
@@ -294,16 +303,18 @@ class DiscoveryRun {
   }
 
   absl::Status DropResults(store::Transaction& transaction) {
-    if (!specification().start_from().empty())
+    if (!specification().start_from().empty()) {
       MORTISE_RETURN_IF_ERROR(transaction.Delete(kStartKind, id_));
+    }
     store::ListOptions list;
     list.key_prefix = ResultPrefix();
     list.limit = kPage;
     while (true) {
       MORTISE_ASSIGN_OR_RETURN(const auto page, transaction.List(kResultKind, list));
       if (page.empty()) return absl::OkStatus();
-      for (const store::Record& record : page)
+      for (const store::Record& record : page) {
         MORTISE_RETURN_IF_ERROR(transaction.Delete(kResultKind, record.key));
+      }
     }
   }
 

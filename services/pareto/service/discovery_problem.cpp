@@ -29,17 +29,20 @@ using Bound = v1::DiscoverySpecification::Bound;
 
 absl::Status NarrowRange(const Bound& bound, const std::string& field, Eigen::Index i,
                          DesignSpace& space) {
-  if (!bound.choices().empty())
+  if (!bound.choices().empty()) {
     return InvalidField(field + ".choices",
                         absl::StrCat("'", bound.parameter(), "' is a number, not a choice"));
-  if (bound.minimum() < space.lower[i])
+  }
+  if (bound.minimum() < space.lower[i]) {
     return InvalidField(
         absl::StrCat(field, ".minimum"),
         absl::StrCat("lies below ", space.lower[i], ", the least value of the design space"));
-  if (bound.maximum() > space.upper[i])
+  }
+  if (bound.maximum() > space.upper[i]) {
     return InvalidField(
         absl::StrCat(field, ".maximum"),
         absl::StrCat("lies above ", space.upper[i], ", the greatest value of the design space"));
+  }
   space.lower[i] = bound.minimum();
   space.upper[i] = bound.maximum();
   return absl::OkStatus();
@@ -51,30 +54,35 @@ absl::StatusOr<std::vector<double>> AllowedChoices(const Bound& bound, const std
   const std::string listed = absl::StrJoin(names, ", ");
   const auto count = static_cast<double>(names.size());
   if (bound.choices().empty()) {
-    if (bound.minimum() < bound.maximum())
+    if (bound.minimum() < bound.maximum()) {
       return InvalidField(field + ".maximum", absl::StrCat("'", bound.parameter(),
                                                            "' is a choice, without a range: fix it "
                                                            "to one of, or allow some of, ",
                                                            listed));
+    }
     if (bound.minimum() == std::round(bound.minimum()) && bound.minimum() >= 0 &&
-        bound.minimum() < count)
+        bound.minimum() < count) {
       return std::vector<double>{bound.minimum()};
+    }
     return InvalidField(field + ".minimum", absl::StrCat("must be the number of a choice, 0 to ",
                                                          count - 1, "; they are ", listed));
   }
-  if (bound.minimum() != 0 || bound.maximum() != 0)
+  if (bound.minimum() != 0 || bound.maximum() != 0) {
     return InvalidField(field + (bound.minimum() != 0 ? ".minimum" : ".maximum"),
                         "must be left out where choices are named");
+  }
   std::vector<double> allowed;
   for (int k = 0; k < bound.choices_size(); ++k) {
     const auto at = std::ranges::find(names, bound.choices(k));
     const std::string place = absl::StrCat(field, ".choices[", k, "]");
-    if (at == names.end())
+    if (at == names.end()) {
       return InvalidField(place, absl::StrCat("'", bound.choices(k), "' is no choice of '",
                                               bound.parameter(), "'; there are ", listed));
+    }
     const auto value = static_cast<double>(at - names.begin());
-    if (std::ranges::find(allowed, value) != allowed.end())
+    if (std::ranges::find(allowed, value) != allowed.end()) {
       return InvalidField(place, "is given twice");
+    }
     allowed.push_back(value);
   }
   std::ranges::sort(allowed);
@@ -88,9 +96,10 @@ absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
     const std::string field = absl::StrCat("specification.bounds[", k, "]");
     const auto name = std::find(problem.parameter_names.begin(), problem.parameter_names.end(),
                                 bound.parameter());
-    if (name == problem.parameter_names.end())
+    if (name == problem.parameter_names.end()) {
       return InvalidField(absl::StrCat(field, ".parameter"),
                           absl::StrCat("no parameter '", bound.parameter(), "'"));
+    }
     const Eigen::Index i = name - problem.parameter_names.begin();
     const std::vector<std::string>& choices = problem.choices[static_cast<std::size_t>(i)];
     if (choices.empty()) {
@@ -150,13 +159,15 @@ absl::Status AddConstraints(const v1::DiscoverySpecification& specification,
 absl::Status CheckCanVary(const DiscoveryProblem& problem, Eigen::Index i,
                           const std::string& field) {
   const std::string& name = problem.parameter_names[static_cast<std::size_t>(i)];
-  if (!problem.choices[static_cast<std::size_t>(i)].empty())
+  if (!problem.choices[static_cast<std::size_t>(i)].empty()) {
     return InvalidField(field, absl::StrCat("'", name, "' is a choice, which has no tolerance"));
+  }
   const bool whole =
       problem.space.step[i] == 1 && problem.space.lower[i] == std::round(problem.space.lower[i]);
-  if (whole)
+  if (whole) {
     return InvalidField(field,
                         absl::StrCat("'", name, "' is a whole number, which has no tolerance"));
+  }
   return absl::OkStatus();
 }
 
@@ -170,8 +181,9 @@ absl::Status AddTolerances(const v1::DiscoverySpecification& specification,
     const auto& asked = specification.tolerances(k);
     const std::string field = absl::StrCat("specification.tolerances[", k, "].parameter");
     const auto name = std::ranges::find(problem.parameter_names, asked.parameter());
-    if (name == problem.parameter_names.end())
+    if (name == problem.parameter_names.end()) {
       return InvalidField(field, absl::StrCat("no parameter '", asked.parameter(), "'"));
+    }
     MORTISE_RETURN_IF_ERROR(CheckCanVary(problem, name - problem.parameter_names.begin(), field));
     const bool normal = asked.distribution() == v1::DiscoverySpecification::Tolerance::NORMAL;
     robustness.tolerances.push_back(
@@ -195,17 +207,20 @@ absl::Status SetBudget(const v1::DiscoverySpecification& specification, Discover
 }
 
 absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
-  if (specification.tolerances_size() > kMostTolerances)
+  if (specification.tolerances_size() > kMostTolerances) {
     return InvalidField("specification.tolerances",
                         absl::StrCat("at most ", kMostTolerances, " are possible, not ",
                                      specification.tolerances_size()));
+  }
   for (int k = 0; k < specification.tolerances_size(); ++k) {
     const auto& tolerance = specification.tolerances(k);
     const std::string field = absl::StrCat("specification.tolerances[", k, "]");
-    if (!(tolerance.deviation() > 0 && std::isfinite(tolerance.deviation())))
+    if (!(tolerance.deviation() > 0 && std::isfinite(tolerance.deviation()))) {
       return InvalidField(absl::StrCat(field, ".deviation"), "must be a finite number above 0");
-    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(tolerance.distribution()))
+    }
+    if (!v1::DiscoverySpecification::Tolerance::Distribution_IsValid(tolerance.distribution())) {
       return InvalidField(absl::StrCat(field, ".distribution"), "must be UNIFORM or NORMAL");
+    }
   }
   return absl::OkStatus();
 }
@@ -232,8 +247,9 @@ Discovery::Surrogate SurrogateOf(v1::DiscoverySpecification::Surrogate surrogate
 
 Eigen::VectorXd DiscoveryProblem::Signs() const {
   Eigen::VectorXd signs(static_cast<Eigen::Index>(objectives.size()));
-  for (Eigen::Index i = 0; i < signs.size(); ++i)
+  for (Eigen::Index i = 0; i < signs.size(); ++i) {
     signs[i] = objectives[static_cast<std::size_t>(i)].maximize ? -1 : 1;
+  }
   return signs;
 }
 
@@ -248,19 +264,24 @@ bool DiscoveryProblem::AllGradients() const {
 }
 
 absl::Status CheckSpecification(const v1::DiscoverySpecification& specification) {
-  if (specification.subject().empty())
+  if (specification.subject().empty()) {
     return InvalidField("specification.subject", "must name what to vary");
-  if (specification.revision() < 0)
+  }
+  if (specification.revision() < 0) {
     return InvalidField("specification.revision", "must be at least 0");
-  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics)
+  }
+  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics) {
     return InvalidField(
         "specification.objectives",
         absl::StrCat("2 to ", kMostMetrics, " are needed, not ", specification.objectives_size()));
+  }
   std::set<std::string> names;
-  for (int k = 0; k < specification.objectives_size(); ++k)
-    if (!names.insert(specification.objectives(k).metric()).second)
+  for (int k = 0; k < specification.objectives_size(); ++k) {
+    if (!names.insert(specification.objectives(k).metric()).second) {
       return InvalidField(absl::StrCat("specification.objectives[", k, "].metric"),
                           "is given twice");
+    }
+  }
   MORTISE_RETURN_IF_ERROR(CheckConstraints(specification));
   MORTISE_RETURN_IF_ERROR(CheckTolerances(specification));
   MORTISE_RETURN_IF_ERROR(
@@ -268,28 +289,34 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::ReadAirflow(specification.airflow()).status()));
   names.clear();
-  if (specification.start_from_size() > kMostEarlierFronts)
+  if (specification.start_from_size() > kMostEarlierFronts) {
     return InvalidField("specification.start_from",
                         absl::StrCat("at most ", kMostEarlierFronts, " are possible, not ",
                                      specification.start_from_size()));
-  for (int k = 0; k < specification.start_from_size(); ++k)
-    if (!names.insert(specification.start_from(k)).second)
+  }
+  for (int k = 0; k < specification.start_from_size(); ++k) {
+    if (!names.insert(specification.start_from(k)).second) {
       return InvalidField(absl::StrCat("specification.start_from[", k, "]"), "is given twice");
+    }
+  }
   names.clear();
   for (int k = 0; k < specification.bounds_size(); ++k) {
     const auto& bound = specification.bounds(k);
     const std::string field = absl::StrCat("specification.bounds[", k, "]");
-    if (!names.insert(bound.parameter()).second)
+    if (!names.insert(bound.parameter()).second) {
       return InvalidField(absl::StrCat(field, ".parameter"), "is given twice");
-    if (bound.minimum() > bound.maximum())
+    }
+    if (bound.minimum() > bound.maximum()) {
       return InvalidField(absl::StrCat(field, ".maximum"), "lies below the minimum");
+    }
   }
   MORTISE_RETURN_IF_ERROR(
       CheckCount(specification.evaluations(), kLeastEvaluations, kMostEvaluations, "evaluations"));
   MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMostCells, "cells"));
-  if (!v1::DiscoverySpecification::Surrogate_IsValid(specification.surrogate()))
+  if (!v1::DiscoverySpecification::Surrogate_IsValid(specification.surrogate())) {
     return InvalidField("specification.surrogate",
                         absl::StrCat(specification.surrogate(), " is none of the known ways"));
+  }
   return CheckCount(specification.window(), 0, kMostWindow, "window");
 }
 
@@ -312,9 +339,10 @@ absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& s
     for (int value = 0; value < parameter.choices_size(); ++value) choice.values.push_back(value);
   }
   const absl::Status usable = Validate(problem.space);
-  if (!usable.ok())
+  if (!usable.ok()) {
     return InvalidField("specification.subject",
                         absl::StrCat("its design space cannot be searched: ", usable.message()));
+  }
   problem.default_design.resize(D);
   for (Eigen::Index i = 0; i < D; ++i) {
     const double value = described.parameters(static_cast<int>(i)).default_value();

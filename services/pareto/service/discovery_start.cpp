@@ -31,8 +31,9 @@ std::optional<int> IndexIn(const google::protobuf::RepeatedPtrField<std::string>
 // Of each parameter of the problem, its place among those of the front.
 std::vector<std::optional<int>> PlacesOf(const DiscoveryProblem& problem, const v1::Front& front) {
   std::vector<std::optional<int>> places;
-  for (const std::string& name : problem.parameter_names)
+  for (const std::string& name : problem.parameter_names) {
     places.push_back(IndexIn(front.parameter_names(), name));
+  }
   return places;
 }
 
@@ -110,8 +111,9 @@ std::map<Key, std::vector<double>> KnownMetrics(const v1::DiscoverySpecification
   for (const v1::Front& front : fronts) {
     if (!AsksTheSame(front.specification(), specification)) continue;
     std::vector<int> metrics;
-    for (const Objective& objective : problem.objectives)
+    for (const Objective& objective : problem.objectives) {
       if (const auto at = IndexIn(front.metric_names(), objective.metric)) metrics.push_back(*at);
+    }
     if (metrics.size() != problem.objectives.size()) continue;
     const std::vector<std::optional<int>> places = PlacesOf(problem, front);
     for (const v1::FrontPoint& point : front.points()) {
@@ -138,11 +140,13 @@ absl::StatusOr<v1::Front> SettleStart(const v1::DiscoverySpecification& specific
   std::vector<EarlierFront> earlier;
   for (std::size_t k = 0; k < fronts.size(); ++k) {
     const std::string field = absl::StrCat("specification.start_from[", k, "]");
-    if (fronts[k].points().empty())
+    if (fronts[k].points().empty()) {
       return InvalidField(field, absl::StrCat(fronts[k].name(), " has no points"));
-    if (!SharesAParameter(fronts[k], problem))
+    }
+    if (!SharesAParameter(fronts[k], problem)) {
       return InvalidField(
           field, absl::StrCat(fronts[k].name(), " has no parameter of ", specification.subject()));
+    }
     earlier.push_back(EarlierOf(fronts[k], problem));
   }
   const auto d = static_cast<Eigen::Index>(problem.objectives.size());
@@ -162,9 +166,10 @@ absl::StatusOr<v1::Front> SettleStart(const v1::DiscoverySpecification& specific
 
 Eigen::MatrixXd DesignsOf(const v1::Front& start) {
   Eigen::MatrixXd designs(start.parameter_names_size(), start.points_size());
-  for (int i = 0; i < start.points_size(); ++i)
+  for (int i = 0; i < start.points_size(); ++i) {
     designs.col(i) =
         VectorXd::Map(start.points(i).parameters().data(), start.points(i).parameters_size());
+  }
   return designs;
 }
 
@@ -181,17 +186,19 @@ std::vector<std::string> ChangedAnswers(const v1::Front& start, const DiscoveryP
       if (!entry.evaluated || start.points(i).metrics_size() == 0) continue;
       const double before = start.points(i).metrics(metric);
       const double after = signs[metric] * entry.metrics[metric];
-      if (std::abs(after - before) <= kSameAnswer * std::max(std::abs(after), std::abs(before)))
+      if (std::abs(after - before) <= kSameAnswer * std::max(std::abs(after), std::abs(before))) {
         continue;
+      }
       if (++changed > 1) continue;
       then = before;
       now = after;
     }
-    if (changed > 0)
+    if (changed > 0) {
       remarks.push_back(absl::StrCat("the evaluator changed its answers: '",
                                      problem.objectives[k].metric, "' of ", changed,
                                      " designs is not what it was in the earlier front, such as ",
                                      now, " where it was ", then));
+    }
   }
   return remarks;
 }

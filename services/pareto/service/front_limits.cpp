@@ -45,18 +45,22 @@ absl::StatusOr<FrontLimit> ToLimit(const v1::Front& front, const v1::FrontLimit&
   limit.index = IndexOf(message.name(), front.metric_names());
   limit.of_metric = limit.index >= 0;
   if (!limit.of_metric) limit.index = IndexOf(message.name(), front.parameter_names());
-  if (limit.index < 0)
+  if (limit.index < 0) {
     return InvalidField(
         absl::StrCat(field, ".name"),
         absl::StrCat("the front has no metric or parameter '", message.name(), "'"));
+  }
   if (message.has_minimum()) limit.minimum = message.minimum();
   if (message.has_maximum()) limit.maximum = message.maximum();
-  if (!std::isfinite(limit.minimum.value_or(0)))
+  if (!std::isfinite(limit.minimum.value_or(0))) {
     return InvalidField(absl::StrCat(field, ".minimum"), "must be a finite number");
-  if (!std::isfinite(limit.maximum.value_or(0)))
+  }
+  if (!std::isfinite(limit.maximum.value_or(0))) {
     return InvalidField(absl::StrCat(field, ".maximum"), "must be a finite number");
-  if (limit.minimum && limit.maximum && *limit.minimum > *limit.maximum)
+  }
+  if (limit.minimum && limit.maximum && *limit.minimum > *limit.maximum) {
     return InvalidField(absl::StrCat(field, ".maximum"), "must not be below the minimum");
+  }
   return limit;
 }
 
@@ -122,8 +126,9 @@ std::vector<std::string> WhyNothingRemains(const v1::Front& front,
     std::string nearest = Nearest(front, ValuesOf(exploration, limit), limit);
     if (!nearest.empty()) reasons.push_back(std::move(nearest));
   }
-  if (reasons.empty())
+  if (reasons.empty()) {
     reasons.push_back("each limit by itself leaves points, but none meets all of them");
+  }
   return reasons;
 }
 

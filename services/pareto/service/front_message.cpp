@@ -32,8 +32,9 @@ std::string ChoiceOf(const DiscoveryProblem& problem, const Eigen::VectorXd& x, 
 void AddCombinations(const DiscoveryProblem& problem, const AskTell::Summary& summary,
                      v1::Front& message) {
   if (AnyChoice(problem)) {
-    for (const std::vector<std::string>& names : problem.choices)
+    for (const std::vector<std::string>& names : problem.choices) {
       message.add_parameter_choices()->mutable_names()->Add(names.begin(), names.end());
+    }
   }
   v1::FrontCombinations& combinations = *message.mutable_combinations();
   combinations.set_possible(summary.combinations);
@@ -48,8 +49,9 @@ void AddColumns(const DiscoveryProblem& problem, v1::Front& message) {
     message.add_metric_names(objective.metric);
     message.add_metric_units(objective.unit);
   }
-  for (const Constraint& constraint : problem.constraints)
+  for (const Constraint& constraint : problem.constraints) {
     message.add_constraint_units(constraint.unit);
+  }
   message.mutable_parameter_minima()->Add(problem.space.lower.begin(), problem.space.lower.end());
   message.mutable_parameter_maxima()->Add(problem.space.upper.begin(), problem.space.upper.end());
 }
@@ -68,8 +70,9 @@ void AddPoint(const DiscoveryProblem& problem, const FrontPoint& point, v1::Fron
   const Eigen::VectorXd metrics = point.metrics.cwiseProduct(problem.Signs());
   to.mutable_parameters()->Add(point.x.begin(), point.x.end());
   to.mutable_metrics()->Add(metrics.begin(), metrics.end());
-  for (Eigen::Index i = 0; AnyChoice(problem) && i < point.x.size(); ++i)
+  for (Eigen::Index i = 0; AnyChoice(problem) && i < point.x.size(); ++i) {
     to.add_choices(ChoiceOf(problem, point.x, i));
+  }
   to.set_cell(static_cast<int>(point.cell));
   to.set_piece(point.piece);
   to.mutable_embedding()->Add(point.embedding.begin(), point.embedding.end());
@@ -119,13 +122,16 @@ void AddSurrogateQuality(const AskTell::Summary& summary, v1::Front& message) {
 
 void AddRemarks(const DiscoveryProblem& problem, const AskTell& discovery, const Front& front,
                 v1::Front& message) {
-  for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives)))
+  for (std::string& remark : FrontRemarks(discovery.archive(), front, Names(problem.objectives))) {
     message.add_remarks(std::move(remark));
-  for (std::string& remark : BandRemarks(problem.constraints))
+  }
+  for (std::string& remark : BandRemarks(problem.constraints)) {
     message.add_remarks(std::move(remark));
-  if (problem.robustness.first_order)
+  }
+  if (problem.robustness.first_order) {
     message.add_remarks(
         "deviations are to first order, from gradients, and means those of designs");
+  }
 }
 
 }  // namespace

@@ -23,8 +23,9 @@ VectorXd ToVector(const google::protobuf::RepeatedField<double>& values) {
 
 // Fronts that were stored without them: as far as the front reaches.
 VectorXd ParameterRanges(const v1::Front& message, const Eigen::MatrixXd& parameters) {
-  if (message.parameter_maxima_size() == message.parameter_names_size())
+  if (message.parameter_maxima_size() == message.parameter_names_size()) {
     return ToVector(message.parameter_maxima()) - ToVector(message.parameter_minima());
+  }
   if (parameters.cols() == 0) return VectorXd::Zero(parameters.rows());
   return parameters.rowwise().maxCoeff() - parameters.rowwise().minCoeff();
 }
@@ -43,8 +44,9 @@ FrontPoints PointsOf(const v1::Front& message) {
     points.piece.push_back(point.piece());
   }
   points.signs = VectorXd::Ones(d);
-  for (int k = 0; k < message.specification().objectives_size() && k < d; ++k)
+  for (int k = 0; k < message.specification().objectives_size() && k < d; ++k) {
     if (message.specification().objectives(k).maximize()) points.signs[k] = -1;
+  }
   points.ranges = ParameterRanges(message, points.parameters);
   return points;
 }
@@ -65,9 +67,10 @@ absl::StatusOr<int> MetricOf(const v1::Front& front, const std::string& name,
 absl::StatusOr<int> AtMetric(const OpenFront& front, const v1::Metric& asked) {
   MORTISE_ASSIGN_OR_RETURN(const int metric, MetricOf(front.message, asked.name(), "metric.name"));
   const std::string& unit = front.message.metric_units(metric);
-  if (!asked.unit().empty() && asked.unit() != unit)
+  if (!asked.unit().empty() && asked.unit() != unit) {
     return InvalidField("metric.unit",
                         absl::StrCat("the front's unit of '", asked.name(), "' is '", unit, "'"));
+  }
   return front.exploration.AtMetric(metric, asked.value());
 }
 
@@ -75,9 +78,10 @@ absl::StatusOr<int> StartOf(const OpenFront& front, const v1::PickPointRequest& 
   if (request.has_index()) MORTISE_RETURN_IF_ERROR(front.exploration.At(request.index()).status());
   const int ways = (request.embedding_size() > 0 ? 1 : 0) + (request.has_metric() ? 1 : 0) +
                    (request.has_index() ? 1 : 0);
-  if (ways != 1)
+  if (ways != 1) {
     return InvalidField("embedding",
                         "give either a position of the embedding, a metric or an index");
+  }
   if (request.has_metric()) return AtMetric(front, request.metric());
   if (request.has_index()) return front.exploration.At(request.index());
   return front.exploration.AtEmbedding(ToVector(request.embedding()));
@@ -85,8 +89,9 @@ absl::StatusOr<int> StartOf(const OpenFront& front, const v1::PickPointRequest& 
 
 absl::StatusOr<std::vector<int>> PathFrom(int start, const OpenFront& front,
                                           const v1::PickPointRequest& request) {
-  if (request.steps() < 0 || request.steps() > kMostSteps)
+  if (request.steps() < 0 || request.steps() > kMostSteps) {
     return InvalidField("steps", absl::StrCat("must lie between 1 and ", kMostSteps));
+  }
   if (request.improve().empty()) {
     if (request.steps() > 0) return InvalidField("improve", "must name a metric to walk");
     return std::vector<int>();
@@ -152,8 +157,9 @@ absl::StatusOr<v1::PickPointResponse> Pick(const OpenFront& front,
   response.mutable_path()->Add(path.begin(), path.end());
   const std::vector<int> neighbours = front.exploration.NeighboursOf(index);
   response.mutable_neighbours()->Add(neighbours.begin(), neighbours.end());
-  for (const Improvement& improvement : front.exploration.ImprovementsAt(index))
+  for (const Improvement& improvement : front.exploration.ImprovementsAt(index)) {
     AddImprovement(message, improvement, *response.add_improvements());
+  }
   return response;
 }
 
@@ -168,16 +174,19 @@ absl::StatusOr<v1::RestrictFrontResponse> Restrict(const OpenFront& front,
     if (read.limits[i].minimum) kept.set_minimum(*read.limits[i].minimum);
     if (read.limits[i].maximum) kept.set_maximum(*read.limits[i].maximum);
   }
-  if (part.points.empty())
-    for (std::string& why : WhyNothingRemains(front.message, front.exploration, read.limits))
+  if (part.points.empty()) {
+    for (std::string& why : WhyNothingRemains(front.message, front.exploration, read.limits)) {
       read.remarks.push_back(std::move(why));
+    }
+  }
   response.mutable_remarks()->Add(read.remarks.begin(), read.remarks.end());
   response.mutable_points()->Add(part.points.begin(), part.points.end());
   response.set_pieces(part.pieces);
   AddRanges(front.message.metric_names(), part.least_metrics, part.most_metrics,
             *response.mutable_metrics());
-  for (int i = 0; i < response.metrics_size(); ++i)
+  for (int i = 0; i < response.metrics_size(); ++i) {
     response.mutable_metrics(i)->set_unit(front.message.metric_units(i));
+  }
   AddRanges(front.message.parameter_names(), part.least_parameters, part.most_parameters,
             *response.mutable_parameters());
   for (const MetricConflict& found : part.conflicts) {

@@ -58,8 +58,9 @@ namespace {
 // NaN if it was left out.
 double ValueOf(const v1::EvaluationResult& result, const std::string& metric) {
   double value = std::numeric_limits<double>::quiet_NaN();
-  for (const v1::Metric& given : result.metrics())
+  for (const v1::Metric& given : result.metrics()) {
     if (given.name() == metric) value = given.value();
+  }
   return value;
 }
 
@@ -69,9 +70,10 @@ absl::StatusOr<std::optional<Eigen::RowVectorXd>> GradientOf(const v1::Evaluatio
   std::optional<Eigen::RowVectorXd> found;
   for (const v1::Gradient& gradient : result.gradients()) {
     if (gradient.metric() != metric) continue;
-    if (gradient.values_size() != size)
+    if (gradient.values_size() != size) {
       return absl::InternalError(absl::StrCat("the evaluator's gradient of '", metric, "' has ",
                                               gradient.values_size(), " values"));
+    }
     found = Eigen::RowVectorXd::Map(gradient.values().data(), gradient.values_size());
   }
   return found;
@@ -80,9 +82,10 @@ absl::StatusOr<std::optional<Eigen::RowVectorXd>> GradientOf(const v1::Evaluatio
 // Rows that are never set stay NaN.
 void SetRow(const Eigen::RowVectorXd& gradient, Eigen::Index row, Eigen::Index rows,
             Eigen::MatrixXd& jacobian) {
-  if (jacobian.size() == 0)
+  if (jacobian.size() == 0) {
     jacobian =
         Eigen::MatrixXd::Constant(rows, gradient.size(), std::numeric_limits<double>::quiet_NaN());
+  }
   jacobian.row(row) = gradient;
 }
 
@@ -128,8 +131,9 @@ absl::Status ReadResult(const v1::EvaluationResult& result, const DiscoveryProbl
     if (!gradient) continue;
     const Eigen::Index m = problem.options.constraints;
     if (constraint.maximum) SetRow(*gradient, first, m, evaluation.constraint_jacobian);
-    if (constraint.minimum)
+    if (constraint.minimum) {
       SetRow(-*gradient, first + constraint.rows() - 1, m, evaluation.constraint_jacobian);
+    }
   }
   evaluation.constraints =
       Eigen::VectorXd::Map(rows.data(), static_cast<Eigen::Index>(rows.size()));
@@ -171,10 +175,12 @@ absl::Status RemoteEvaluator::CallOnce(Batch& batch) {
   request.set_subject(specification_->subject());
   request.set_revision(specification_->revision());
   std::set<std::string> metrics;
-  for (const Objective& objective : problem_.objectives)
+  for (const Objective& objective : problem_.objectives) {
     if (metrics.insert(objective.metric).second) request.add_metrics(objective.metric);
-  for (const Constraint& constraint : problem_.constraints)
+  }
+  for (const Constraint& constraint : problem_.constraints) {
     if (metrics.insert(constraint.metric).second) request.add_metrics(constraint.metric);
+  }
   request.set_gradients(problem_.AnyGradient());
   if (specification_->has_mesh()) *request.mutable_mesh() = specification_->mesh();
   if (specification_->has_airflow()) *request.mutable_airflow() = specification_->airflow();

@@ -28,14 +28,16 @@ CoordinateDescent::CoordinateDescent(const Options& options, const Archive& arch
 double CoordinateDescent::BadnessOf(const Archive& archive, std::size_t entry) const {
   if (!archive[entry].feasible) return std::numeric_limits<double>::infinity();
   double badness = 0;
-  for (const double y : scaling_.Apply(archive[entry].metrics))
+  for (const double y : scaling_.Apply(archive[entry].metrics)) {
     badness += y > 0 ? 0.5 * (y + 1) * (y + 1) : 0.5 + y;
+  }
   return badness;
 }
 
 void CoordinateDescent::BeginPass(const Archive& archive) {
-  for (std::size_t i = order_.size(); i > 1; --i)
+  for (std::size_t i = order_.size(); i > 1; --i) {
     std::swap(order_[i - 1], order_[random_.Index(i)]);
+  }
   next_ = 0;
   rippled_ = 0;
   best_of_last_pass_ = best_;
@@ -85,8 +87,9 @@ void CoordinateDescent::Tell(Archive& archive, std::size_t entry) {
   Line& line = lines_[asked];
   line.minimum.Tell(archive[entry].u[line.parameter], badness);
   if (badness < BadnessOf(archive, line.best)) line.best = entry;
-  if (!std::ranges::all_of(lines_, [](const Line& each) { return each.minimum.Finished(); }))
+  if (!std::ranges::all_of(lines_, [](const Line& each) { return each.minimum.Finished(); })) {
     return;
+  }
   Eigen::VectorXd u = archive[best_].u;
   for (const Line& each : lines_) u[each.parameter] = archive[each.best].u[each.parameter];
   together_ = std::move(u);

@@ -38,8 +38,9 @@ double DistanceToNeighbour(const Archive& archive, const Scaling& scaling, std::
 // In unit coordinates.
 double DistanceToNearestDesign(const Archive& archive, std::size_t entry) {
   double least = std::numeric_limits<double>::infinity();
-  for (const std::size_t other : archive.non_dominated())
+  for (const std::size_t other : archive.non_dominated()) {
     if (other != entry) least = std::min(least, (archive[other].u - archive[entry].u).norm());
+  }
   return least;
 }
 
@@ -59,12 +60,14 @@ double EvolutionSearch::MeritOf(const Scaling& scaling, const VectorXd& metrics)
   const VectorXd y = (snapshot_.cols() > 0 ? snapshot_scaling_ : scaling).Apply(metrics);
   const VectorXd reference = VectorXd::Constant(y.size(), kReference);
   double missing = std::max((y - reference).maxCoeff(), 0.0);
-  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i)
+  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i) {
     missing = std::max(missing, (y - snapshot_.col(i)).minCoeff());
+  }
   if (missing > 0) return -missing;
   std::vector<VectorXd> covered;  // of what is between y and the reference
-  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i)
+  for (Eigen::Index i = 0; i < snapshot_.cols(); ++i) {
     covered.push_back(snapshot_.col(i).cwiseMax(y));
+  }
   return (reference - y).prod() - Hypervolume(covered, reference);
 }
 
@@ -108,8 +111,9 @@ void EvolutionSearch::Begin(const Archive& archive, const Scaling& scaling) {
     snapshot_scaling_ = scaling;
     const std::vector<std::size_t>& front = archive.non_dominated();
     snapshot_.resize(scaling.ideal.size(), static_cast<Eigen::Index>(front.size()));
-    for (std::size_t i = 0; i < front.size(); ++i)
+    for (std::size_t i = 0; i < front.size(); ++i) {
       snapshot_.col(static_cast<Eigen::Index>(i)) = scaling.Apply(archive[front[i]].metrics);
+    }
     start = NextStart(archive, scaling);
     const double size = DistanceToNearestDesign(archive, start);
     strategy_->Restart(archive[start].u, std::clamp(size, kLeastSize, kMostSize));
@@ -121,8 +125,9 @@ void EvolutionSearch::Begin(const Archive& archive, const Scaling& scaling) {
 }
 
 EvolutionSearch::Sample EvolutionSearch::Next(const Archive& archive, const Scaling& scaling) {
-  if (!strategy_ || barren_ > Patience() || strategy_->Reach() < kLeastReach)
+  if (!strategy_ || barren_ > Patience() || strategy_->Reach() < kLeastReach) {
     Begin(archive, scaling);
+  }
   if (!model_) {
     const VectorXd& mean = strategy_->mean();
     const double radius = strategy_->Reach() * std::sqrt(static_cast<double>(mean.size()));
@@ -150,8 +155,9 @@ void EvolutionSearch::Tell(const Archive& archive, const Scaling& scaling, int s
 
 void EvolutionSearch::Learn(const Archive& archive, const Scaling& scaling) {
   std::vector<std::pair<double, std::size_t>> ranked;
-  for (const std::size_t entry : generation_)
+  for (const std::size_t entry : generation_) {
     ranked.emplace_back(-MeritOf(archive, scaling, entry), entry);
+  }
   std::ranges::stable_sort(ranked, {}, [](const auto& one) { return one.first; });
   std::vector<VectorXd> designs;
   for (const auto& [merit, entry] : ranked) designs.push_back(archive[entry].u);

@@ -63,11 +63,13 @@ void EvolutionStrategy::Learn(const std::vector<VectorXd>& ranked) {
   const auto n = static_cast<double>(mean_.size());
   const VectorXd scale = axis_lengths_.cwiseInverse();
   MatrixXd steps(mean_.size(), static_cast<Index>(ranked.size()));
-  for (std::size_t i = 0; i < ranked.size(); ++i)
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
     steps.col(static_cast<Index>(i)) = (ranked[i] - mean_) / size_;
+  }
   VectorXd step = VectorXd::Zero(mean_.size());
-  for (Index i = 0; i < steps.cols(); ++i)
+  for (Index i = 0; i < steps.cols(); ++i) {
     if (weights_[i] > 0) step += weights_[i] * steps.col(i);
+  }
   mean_ += size_ * step;
   ++generations_;
 

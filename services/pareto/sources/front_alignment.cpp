@@ -37,8 +37,9 @@ FrontTrend::FrontTrend(const Archive& archive, const Scaling& scaling) {
 
 MatrixXd FrontTrend::Directions(double share) const {
   MatrixXd slopes = slopes_;
-  for (Index i = 0; i < slopes.rows(); ++i)
+  for (Index i = 0; i < slopes.rows(); ++i) {
     if (!(explained_[i] > share)) slopes.row(i).setZero();
+  }
   Eigen::ColPivHouseholderQR<MatrixXd> basis(slopes);
   basis.setThreshold(kSameDirection);
   const Index most = std::min(slopes.rows(), slopes.cols());

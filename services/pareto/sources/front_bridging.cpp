@@ -26,8 +26,9 @@ std::vector<std::pair<double, std::size_t>> NearestTo(const VectorXd& y, const M
   const Eigen::RowVectorXd distances = (front.colwise() - y).colwise().squaredNorm();
   std::vector<std::pair<double, std::size_t>> nearest;
   nearest.reserve(static_cast<std::size_t>(distances.size()));
-  for (Eigen::Index i = 0; i < distances.size(); ++i)
+  for (Eigen::Index i = 0; i < distances.size(); ++i) {
     nearest.emplace_back(distances[i], static_cast<std::size_t>(i));
+  }
   count = std::min(count, nearest.size());
   std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count),
                     nearest.end());

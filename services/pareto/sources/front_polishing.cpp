@@ -87,16 +87,18 @@ class Surroundings {
     const double radius = 2 * reach;
     model_ = FitQuadraticModel(archive, near, radius, archive.PriorJacobian(u));
     jacobian_ = model_.jacobian;
-    for (Eigen::Index i = 0; i < jacobian_.rows(); ++i)
+    for (Eigen::Index i = 0; i < jacobian_.rows(); ++i) {
       jacobian_.row(i) +=
           (model_.hessians[static_cast<std::size_t>(i)] * (u - model_.centre)).transpose();
+    }
     jacobian_ = (scaling.range.cwiseInverse().asDiagonal() * jacobian_).eval();
     kkt_ = RecoverDuals(jacobian_, u);
     constraints_ = ConstraintsNear(archive, near, u, radius);
     lower_ = (-u).cwiseMax(-reach);
     upper_ = (1 - u.array()).matrix().cwiseMin(reach);
-    for (Eigen::Index i = 0; i < u.size(); ++i)
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
       if (u[i] <= 0 || u[i] >= 1) lower_[i] = upper_[i] = 0;
+    }
   }
 
   const KktPoint& kkt() const { return kkt_; }
@@ -152,9 +154,10 @@ class Surroundings {
   // Half the squared distance to where StepBeyond goes, around `step`.
   QuadraticFunction DistanceAround(const VectorXd& step, const VectorXd& counted) const {
     MatrixXd jacobian = model_.jacobian;
-    for (Eigen::Index i = 0; i < jacobian.rows(); ++i)
+    for (Eigen::Index i = 0; i < jacobian.rows(); ++i) {
       jacobian.row(i) +=
           (model_.hessians[static_cast<std::size_t>(i)] * (u_ + step - model_.centre)).transpose();
+    }
     jacobian = (scaling_.range.cwiseInverse().asDiagonal() * jacobian).eval();
     const VectorXd residual = counted.cwiseProduct(ChangeBy(step) + kBeyond * Normal());
     return {0, jacobian.transpose() * residual,
@@ -182,9 +185,11 @@ class Surroundings {
 // front runs along the rays, rounds of polishing would not come to an end.
 std::vector<std::size_t> NearestOfCells(const std::vector<FrontPlace>& places) {
   std::vector<std::size_t> nearest;
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (i == 0 || places[i].cell != places[i - 1].cell)
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i == 0 || places[i].cell != places[i - 1].cell) {
       nearest.push_back(places[i].candidates.front().entry);
+    }
+  }
   return nearest;
 }
 
@@ -230,8 +235,9 @@ std::vector<VectorXd> FrontPolishing::Next(const Archive& archive, const Perform
     PolishedDesign design = Polished(archive, buffer.scaling(), u, reach);
     tries.gain = design.gain;
     tries.round = rounds_;
-    if (design.gain > choice.least && design.gain <= choice.most)
+    if (design.gain > choice.least && design.gain <= choice.most) {
       polished.emplace_back(std::move(design), entry);
+    }
   }
   const std::set<std::size_t> is_best(best.begin(), best.end());
   std::ranges::stable_sort(polished, std::greater<>{}, [&](const auto& each) {
@@ -264,12 +270,14 @@ std::vector<std::size_t> FrontPolishing::LookedAt(const Archive& archive,
     }
   };
   for (const std::size_t entry : best) group(entry, 0);
-  for (const std::size_t entry : archive.non_dominated())
+  for (const std::size_t entry : archive.non_dominated()) {
     if (!is_best.contains(entry)) group(entry, 2);
+  }
   std::vector<std::size_t> entries;
-  for (const std::vector<std::size_t>& each : groups)
+  for (const std::vector<std::size_t>& each : groups) {
     std::ranges::copy(Some(each, most - std::min(most, entries.size())),
                       std::back_inserter(entries));
+  }
   return entries;
 }
 

@@ -20,8 +20,9 @@ FrontTraverse::FrontTraverse(const Options& options, const Archive& archive, con
                              std::size_t entry, Eigen::Index parameter)
     : options_(options), scaling_(scaling), start_(archive[entry].u), parameter_(parameter) {
   line_.emplace(start_[parameter], entry);
-  for (int k = 0; k < kFirstValues; ++k)
+  for (int k = 0; k < kFirstValues; ++k) {
     queue_.push_back(static_cast<double>(k) / (kFirstValues - 1));
+  }
 }
 
 std::optional<Eigen::VectorXd> FrontTraverse::Ask(Archive&) {
@@ -50,8 +51,9 @@ void FrontTraverse::QueueGaps(const Archive& archive) {
     const double middle = 0.5 * (a->first + b->first);
     // A middle that failed, or that a workshop cannot set, brings nothing the second time either.
     if (b->first - a->first < kLeastGap || tried_.contains(middle) ||
-        (is_dominated(a->second) && is_dominated(b->second)))
+        (is_dominated(a->second) && is_dominated(b->second))) {
       continue;
+    }
     const double width =
         (scaling_.Apply(archive[a->second].metrics) - scaling_.Apply(archive[b->second].metrics))
             .norm();
@@ -59,8 +61,9 @@ void FrontTraverse::QueueGaps(const Archive& archive) {
   }
   std::ranges::sort(gaps, std::greater());
   const int most = std::min(kGaps, options_.evaluations - evaluations_);
-  for (int k = 0; k < std::min(most, static_cast<int>(gaps.size())); ++k)
+  for (int k = 0; k < std::min(most, static_cast<int>(gaps.size())); ++k) {
     queue_.push_back(gaps[static_cast<std::size_t>(k)].second);
+  }
 }
 
 }  // namespace mortise::pareto

@@ -34,8 +34,9 @@ LineMinimum::LineMinimum(const Options& options, double known, double value, Ran
     : options_(options), random_(random.Next()), values_{{known, value}} {
   const int gaps = std::clamp(options.values, 3, kFirstPoints) - 1;
   queue_.push_back(0);
-  for (int gap = 1; gap < gaps; ++gap)
+  for (int gap = 1; gap < gaps; ++gap) {
     queue_.push_back((gap + 0.6 * (random_.Uniform() - 0.5)) / gaps);
+  }
   queue_.push_back(1);
 }
 
@@ -59,8 +60,9 @@ double LineMinimum::Least() const { return std::ranges::min(values_ | std::views
 
 double LineMinimum::Most() const {
   double most = -kInfinity;
-  for (const double value : values_ | std::views::values)
+  for (const double value : values_ | std::views::values) {
     if (value < kInfinity) most = std::max(most, value);
+  }
   return most;
 }
 
@@ -87,8 +89,9 @@ void LineMinimum::NextStage() {
 void LineMinimum::QueueHalves() {
   for (auto a = values_.begin(), b = std::next(a); b != values_.end(); a = b++) {
     const double gap = b->first - a->first;
-    if (gap * options_.values > 1)
+    if (gap * options_.values > 1) {
       queue_.push_back(a->first + gap * (0.5 + 0.3 * (random_.Uniform() - 0.5)));
+    }
   }
 }
 
@@ -101,9 +104,10 @@ bool LineMinimum::Ripples() const {
   if (known.size() < 4) return false;
   const auto [least, most] = std::ranges::minmax(known | std::views::values);
   double missed = 0;
-  for (std::size_t i = 1; i + 2 < known.size(); ++i)
+  for (std::size_t i = 1; i + 2 < known.size(); ++i) {
     missed += std::abs(known[i].second -
                        ParabolaAt(known[i].first, known[i - 1], known[i + 1], known[i + 2]));
+  }
   return missed > options_.roughness * static_cast<double>(known.size() - 3) * (most - least);
 }
 
@@ -138,8 +142,9 @@ std::optional<double> LineMinimum::VertexAt(double point) const {
     const double curvature = (right - left) / (c->first - a->first);
     const double nearest = 1e-3 * (c->first - a->first);
     vertex = 0.5 * (a->first + b->first - left / curvature);
-    if (!std::isfinite(vertex) || std::abs(vertex - b->first) < nearest)
+    if (!std::isfinite(vertex) || std::abs(vertex - b->first) < nearest) {
       vertex = b->first + (c->first - b->first > b->first - a->first ? nearest : -nearest);
+    }
     vertex = std::clamp(vertex, a->first + 0.05 * (b->first - a->first),
                         c->first - 0.05 * (c->first - b->first));
   }

@@ -134,8 +134,9 @@ std::optional<Eigen::VectorXd> LocalOptimization::NextPoint(Archive& archive) {
   const Eigen::VectorXd lower = LeastStep(archive), upper = MostStep(archive);
   constraints_ = ConstraintsAt(archive);
   stepped_ = MinimizeBoundedQuadratic(g, B, lower, upper);
-  if (Violation(constraints_, stepped_) > 0)
+  if (Violation(constraints_, stepped_) > 0) {
     stepped_ = MinimizeWithin({0, g, B}, constraints_, lower, upper);
+  }
   predicted_decrease_ = -(g.dot(stepped_) + 0.5 * stepped_.dot(B * stepped_));
   step_length_ = stepped_.cwiseQuotient(archive.lengths()).lpNorm<Eigen::Infinity>();
 
@@ -167,8 +168,9 @@ std::optional<Eigen::VectorXd> LocalOptimization::RestoringPoint(Archive& archiv
   const bool exact = OffersEvery(archive[*best_].constraint_jacobian);
   if (failures_ >= 2 && !exact) {
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(stepped_.size());
-    for (const QuadraticFunction& constraint : constraints_)
+    for (const QuadraticFunction& constraint : constraints_) {
       slope += std::max(0.0, constraint.value) * constraint.gradient;
+    }
     if (const std::optional<Eigen::VectorXd> geometry = GeometryPoint(archive, slope)) {
       waiting_ = Waiting::kGeometry;
       return geometry;
@@ -205,9 +207,11 @@ std::optional<Eigen::VectorXd> LocalOptimization::GeometryPoint(const Archive& a
     spread += s * s.transpose() / std::max(1.0, s.squaredNorm());
   }
   // A parameter at a bound that every descent would push further out needs no more looks.
-  for (Eigen::Index i = 0; i < D; ++i)
-    if ((centre[i] <= 0 && gradient[i] > 0) || (centre[i] >= 1 && gradient[i] < 0))
+  for (Eigen::Index i = 0; i < D; ++i) {
+    if ((centre[i] <= 0 && gradient[i] > 0) || (centre[i] >= 1 && gradient[i] < 0)) {
       spread(i, i) += 1;
+    }
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(spread);
   if (eigen.eigenvalues()[0] > 0.02) return std::nullopt;
   const Eigen::VectorXd v = eigen.eigenvectors().col(0);
@@ -250,8 +254,9 @@ void LocalOptimization::Tell(Archive& archive, std::size_t entry) {
 double LocalOptimization::RatioOf(const Archive& archive, std::size_t entry) const {
   const ArchiveEntry& told = archive[entry];
   if (!told.evaluated) return -1;
-  if (!archive[*best_].feasible)
+  if (!archive[*best_].feasible) {
     return (archive.Violation(*best_) - archive.Violation(entry)) / predicted_decrease_;
+  }
   if (!told.feasible) return -1;
   const double before = 0.5 * Residual(archive, *best_).squaredNorm();
   const double after = 0.5 * Residual(archive, entry).squaredNorm();

@@ -59,8 +59,9 @@ std::vector<VectorXd> RepairedOutliers(const Archive& archive, const Scaling& sc
   for (std::size_t point = 0; point < entries.size(); ++point) {
     std::vector<VectorXd> designs;
     const VectorXd y = front.col(static_cast<Eigen::Index>(point));
-    for (const std::size_t near : nearest.Nearest(y, all, neighbours + 1, points))
+    for (const std::size_t near : nearest.Nearest(y, all, neighbours + 1, points)) {
       if (near != point) designs.push_back(archive[entries[near]].u);
+    }
     Repair repair = RepairOf(archive[entries[point]].u, designs);
     if (repair.deviation > 0) repairs.push_back(std::move(repair));
   }

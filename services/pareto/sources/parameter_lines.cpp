@@ -34,15 +34,17 @@ std::uint64_t HashOf(Index i, double value) {
 }
 
 bool AreAlikeBut(Index parameter, const VectorXd& a, const VectorXd& b) {
-  for (Index i = 0; i < a.size(); ++i)
+  for (Index i = 0; i < a.size(); ++i) {
     if (i != parameter && a[i] != b[i]) return false;
+  }
   return true;
 }
 
 MatrixXd ScaledMetrics(const Archive& archive, const Scaling& scaling, const ParameterLine& line) {
   MatrixXd metrics(scaling.ideal.size(), std::ssize(line.entries));
-  for (std::size_t k = 0; k < line.entries.size(); ++k)
+  for (std::size_t k = 0; k < line.entries.size(); ++k) {
     metrics.col(static_cast<Index>(k)) = scaling.Apply(archive[line.entries[k]].metrics);
+  }
   return metrics;
 }
 
@@ -89,27 +91,33 @@ std::vector<ParameterLine> ParameterLines(const Archive& archive) {
   if (archive.size() == 0) return lines;
   const Index size = archive[0].u.size();
   std::vector<std::uint64_t> whole(archive.size(), 0);
-  for (std::size_t entry = 0; entry < archive.size(); ++entry)
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
     for (Index i = 0; i < size; ++i) whole[entry] += HashOf(i, archive[entry].u[i]);
+  }
   for (Index i = 0; i < size; ++i) {
     std::vector<std::pair<std::uint64_t, std::size_t>> alike;  // but for parameter i, by hash
-    for (std::size_t entry = 0; entry < archive.size(); ++entry)
-      if (archive[entry].feasible)
+    for (std::size_t entry = 0; entry < archive.size(); ++entry) {
+      if (archive[entry].feasible) {
         alike.emplace_back(whole[entry] - HashOf(i, archive[entry].u[i]), entry);
+      }
+    }
     std::ranges::sort(alike);
     for (auto first = alike.begin(), end = first; first != alike.end(); first = end) {
       end = std::find_if(first, alike.end(),
                          [&](const auto& each) { return each.first != first->first; });
       if (end - first < static_cast<std::ptrdiff_t>(kLeastLine)) continue;
       std::vector<std::size_t> entries;
-      for (const auto& [hash, entry] : std::ranges::subrange(first, end))
+      for (const auto& [hash, entry] : std::ranges::subrange(first, end)) {
         if (AreAlikeBut(i, archive[entry].u, archive[first->second].u)) entries.push_back(entry);
+      }
       const auto value = [&](std::size_t entry) { return archive[entry].u[i]; };
       std::ranges::stable_sort(entries, {}, value);
       std::vector<std::size_t> spaced;
-      for (const std::size_t entry : entries)
-        if (spaced.empty() || value(entry) - value(spaced.back()) >= kLeastGap)
+      for (const std::size_t entry : entries) {
+        if (spaced.empty() || value(entry) - value(spaced.back()) >= kLeastGap) {
           spaced.push_back(entry);
+        }
+      }
       if (spaced.size() >= kLeastLine) lines.push_back({i, std::move(spaced)});
     }
   }
@@ -126,8 +134,9 @@ std::vector<Index> TradingParameters(const Archive& archive,
     strength = std::max(strength, Strength(ScaledMetrics(archive, scaling, line)));
   }
   std::vector<std::pair<double, Index>> found;
-  for (const auto& [parameter, strength] : strengths)
+  for (const auto& [parameter, strength] : strengths) {
     if (strength >= least) found.emplace_back(-strength, parameter);
+  }
   std::ranges::sort(found);
   std::vector<Index> parameters;
   for (const auto& [strength, parameter] : found) parameters.push_back(parameter);
@@ -167,8 +176,9 @@ std::vector<VectorXd> LeastAlongLines(const Archive& archive,
     const auto value = [&](std::size_t entry) { return archive[entry].metrics[metric]; };
     VectorXd& u = designs.emplace_back(
         archive[*std::ranges::min_element(archive.non_dominated(), {}, value)].u);
-    for (const auto& [parameter, line] : longest)
+    for (const auto& [parameter, line] : longest) {
       u[parameter] = archive[*std::ranges::min_element(line->entries, {}, value)].u[parameter];
+    }
   }
   return designs;
 }

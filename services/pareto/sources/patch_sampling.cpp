@@ -68,8 +68,9 @@ double SquaredHole(const Archive& archive, const Scaling& scaling,
   double least = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < front.cols(); ++k) {
     double squared = 0;
-    for (Eigen::Index i = 0; i < predicted.size(); ++i)
+    for (Eigen::Index i = 0; i < predicted.size(); ++i) {
       squared += std::pow((predicted[i] - front(i, k)) / scaling.range[i], 2);
+    }
     least = std::min(least, squared);
   }
   return least;
@@ -120,11 +121,13 @@ void PatchSampling::RecoverDualsAt(const Archive& archive, std::size_t entry) {
     });
   }
   Eigen::MatrixXd normals(static_cast<Eigen::Index>(active.size()), u.size());
-  for (std::size_t k = 0; k < active.size(); ++k)
+  for (std::size_t k = 0; k < active.size(); ++k) {
     normals.row(static_cast<Eigen::Index>(k)) = active[k].gradient.transpose();
+  }
   kkt_ = RecoverDuals(J, u, normals);
-  for (std::size_t k = 0; k < active.size(); ++k)
+  for (std::size_t k = 0; k < active.size(); ++k) {
     constraint_hessian_ += kkt_.mu[static_cast<Eigen::Index>(k)] * active[k].hessian;
+  }
 }
 
 // `point`, or one nearby that meets the constraints as far as is known at `parent`.
@@ -188,8 +191,9 @@ void PatchSampling::MoveCentre(const Archive& archive, std::size_t entry) {
   const Eigen::VectorXd weights = kkt_.alpha.cwiseQuotient(scaling_.range);
   if (told.feasible && weights.dot(told.metrics - model_->value) < 0) {
     const Eigen::VectorXd p = told.u - piece_.centre;
-    for (Eigen::Index i = 0; i < model_->value.size(); ++i)
+    for (Eigen::Index i = 0; i < model_->value.size(); ++i) {
       model_->jacobian.row(i) += (model_->hessians[static_cast<std::size_t>(i)] * p).transpose();
+    }
     model_->centre = piece_.centre = told.u;
     model_->value = told.metrics;
     piece_.entry = entry;
@@ -199,8 +203,9 @@ void PatchSampling::MoveCentre(const Archive& archive, std::size_t entry) {
 }
 
 void PatchSampling::FinishHessian(const Archive& archive) {
-  for (Eigen::MatrixXd& hessian : model_->hessians)
+  for (Eigen::MatrixXd& hessian : model_->hessians) {
     hessian = (0.5 * (hessian + hessian.transpose())).eval();
+  }
   Open(archive);
 }
 
@@ -321,8 +326,9 @@ std::optional<Eigen::VectorXd> PatchSampling::Ask(Archive& archive) {
     asked_.push_back({Request::Kind::kCentre, 0, {}, 0, 0});
     return std::exchange(better_centre_, std::nullopt);
   }
-  if (steps_.size() == 0 && hessian_coordinates_.empty() && hessian_pending_ == 0)
+  if (steps_.size() == 0 && hessian_coordinates_.empty() && hessian_pending_ == 0) {
     return std::nullopt;
+  }
   if (!hessian_coordinates_.empty()) {
     const Eigen::Index i = hessian_coordinates_.front();
     hessian_coordinates_.pop_front();
@@ -397,8 +403,9 @@ PatchSampling::Walk& PatchSampling::WalkOf(const Node& node) { return walks_[nod
 
 // While all that is known to hold has been asked for.
 std::optional<Eigen::VectorXd> PatchSampling::AskAhead(const Archive& archive) {
-  if (steps_.size() != 1 || asked_.empty() || archive[piece_.entry].constraints.size() > 0)
+  if (steps_.size() != 1 || asked_.empty() || archive[piece_.entry].constraints.size() > 0) {
     return std::nullopt;
+  }
   for (const int sign : {+1, -1}) {
     const Walk& walk = walks_[sign > 0 ? 1 : 0];
     const int lead = walk.asked - walk.held;
@@ -424,9 +431,10 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
   if (request.kind == Request::Kind::kHessian) {
     if (told.evaluated && told.jacobian.size() > 0 && told.jacobian.allFinite()) {
       const double h = told.u[request.coordinate] - piece_.centre[request.coordinate];
-      for (Eigen::Index i = 0; std::abs(h) > 0 && i < told.metrics.size(); ++i)
+      for (Eigen::Index i = 0; std::abs(h) > 0 && i < told.metrics.size(); ++i) {
         model_->hessians[static_cast<std::size_t>(i)].col(request.coordinate) =
             (told.jacobian.row(i) - model_->jacobian.row(i)).transpose() / h;
+      }
     }
     if (--hessian_pending_ == 0) FinishHessian(archive);
     return;
@@ -451,8 +459,9 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
     if (redundant_ > kMostRedundant + evaluations_ / kRedundantShare) EndWalk();
   }
   if (!holds || (stepped && walk_over_)) return;
-  if (request.kind == Request::Kind::kNode)
+  if (request.kind == Request::Kind::kNode) {
     Expand({request.reached.node, request.reached.beyond, entry});
+  }
   if (steps_.size() == 1) Keep(archive, request.parameter, entry, request.depth);
 }
 

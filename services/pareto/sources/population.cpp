@@ -85,8 +85,9 @@ std::size_t Population::WorstOf(const Archive& archive, std::vector<int>& ranks)
   std::vector<int> better(count, 0);
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = 0; b < count; ++b) {
-      if (a == b || !Dominates(archive[members_[a]].metrics, archive[members_[b]].metrics))
+      if (a == b || !Dominates(archive[members_[a]].metrics, archive[members_[b]].metrics)) {
         continue;
+      }
       worse[a].push_back(b);
       ++better[b];
     }

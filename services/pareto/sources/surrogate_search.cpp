@@ -60,15 +60,17 @@ double LogOf(double expected) {
 // The means (or deviations) of all metrics of a belief.
 VectorXd MeansOf(const SurrogateModel::Belief& belief) {
   VectorXd means(static_cast<Index>(belief.metrics.size()));
-  for (Index k = 0; k < means.size(); ++k)
+  for (Index k = 0; k < means.size(); ++k) {
     means[k] = belief.metrics[static_cast<std::size_t>(k)].mean;
+  }
   return means;
 }
 
 VectorXd DeviationsOf(const SurrogateModel::Belief& belief) {
   VectorXd deviations(static_cast<Index>(belief.metrics.size()));
-  for (Index k = 0; k < deviations.size(); ++k)
+  for (Index k = 0; k < deviations.size(); ++k) {
     deviations[k] = belief.metrics[static_cast<std::size_t>(k)].deviation;
+  }
   return deviations;
 }
 
@@ -123,8 +125,9 @@ class Proposed : public PointSource {
     tally_.AddProposal();
     if (!archive[entry].evaluated) return;
     const VectorXd values = learnt_.Of(archive[entry].metrics);
-    for (Index k = 0; k < values.size(); ++k)
+    for (Index k = 0; k < values.size(); ++k) {
       tally_.AddPrediction(means_[k], deviations_[k], values[k]);
+    }
   }
 
   bool Finished() const override { return !u_ && !under_way_; }
@@ -148,8 +151,9 @@ bool IsKnown(const VectorXd& u, const Archive& archive, const std::vector<Vector
   const auto same = [&](const VectorXd& other) {
     return (u - other).lpNorm<Eigen::Infinity>() < kSameDesign;
   };
-  for (std::size_t entry = 0; entry < archive.size(); ++entry)
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
     if (same(archive[entry].u)) return true;
+  }
   return std::ranges::any_of(under_way, same);
 }
 
@@ -169,8 +173,9 @@ VectorXd SurrogateSearch::Candidate(const Archive& archive) {
   }
   const double scale = std::exp2(-kLeastMove * random_.Uniform());
   const double share = kChangedParameters / static_cast<double>(u.size());
-  for (double& value : u)
+  for (double& value : u) {
     if (random_.Uniform() < share) value += scale * (2 * random_.Uniform() - 1);
+  }
   return u.cwiseMax(0.0).cwiseMin(1.0);
 }
 
@@ -200,8 +205,9 @@ VectorXd SurrogateSearch::MayBeBest(const Archive& archive, const MatrixXd& cand
   };
   const std::vector<std::size_t>& front = archive.non_dominated();
   MatrixXd starts(candidates.rows(), std::ssize(front) + candidates.cols());
-  for (std::size_t k = 0; k < front.size(); ++k)
+  for (std::size_t k = 0; k < front.size(); ++k) {
     starts.col(static_cast<Index>(k)) = archive[front[k]].u;
+  }
   starts.rightCols(candidates.cols()) = candidates;
   const SurrogateModel::Beliefs beliefs = model_.AtAll(starts);
   VectorXd values = beliefs.log_feasibilities;
@@ -231,8 +237,9 @@ VectorXd SurrogateSearch::Reference(const Archive& archive, const MatrixXd& cand
 std::vector<VectorXd> SurrogateSearch::FrontWith(const Archive& archive,
                                                  const std::vector<VectorXd>& under_way) {
   std::vector<VectorXd> front;
-  for (const std::size_t entry : archive.non_dominated())
+  for (const std::size_t entry : archive.non_dominated()) {
     front.push_back(model_.learnt().Of(archive[entry].metrics));
+  }
   for (const VectorXd& u : under_way) {
     const SurrogateModel::Belief belief = model_.At(u);
     if (belief.log_feasibility > std::log(0.5)) front.push_back(MeansOf(belief));
@@ -275,8 +282,9 @@ std::unique_ptr<PointSource> SurrogateSearch::Next(const Archive& archive,
   const ExpectedHypervolumeImprovement improvement(FrontWith(archive, under_way), reference);
   for (const VectorXd& u : MostExpected(improvement, candidates)) {
     const VectorXd possible = box_.ToUnit(box_.FromUnit(u));
-    if (!IsKnown(possible, archive, under_way))
+    if (!IsKnown(possible, archive, under_way)) {
       return std::make_unique<Proposed>(possible, before, tally_);
+    }
   }
   return std::make_unique<Nothing>();
 }

@@ -190,11 +190,15 @@ absl::Status CompleteResult(const v1::Task& task, const v1::DesignSpace& space,
 
 std::string WhatIsNotFinite(const v1::EvaluationResult& result) {
   std::vector<std::string> found;
-  for (const v1::Metric& metric : result.metrics())
+  for (const v1::Metric& metric : result.metrics()) {
     if (!std::isfinite(metric.value())) found.push_back(metric.name());
-  for (const v1::Gradient& gradient : result.gradients())
-    if (!std::ranges::all_of(gradient.values(), [](double value) { return std::isfinite(value); }))
+  }
+  for (const v1::Gradient& gradient : result.gradients()) {
+    if (!std::ranges::all_of(gradient.values(),
+                             [](double value) { return std::isfinite(value); })) {
       found.push_back(absl::StrCat("the gradient of ", gradient.metric()));
+    }
+  }
   return absl::StrJoin(found, ", ");
 }
 

@@ -74,8 +74,9 @@ absl::Status CheckAttempt(int attempt, const std::string& field) {
 absl::Status FailureFrom(const v1::EvaluationResult& result, const absl::Status& fault) {
   const std::string field = DetailOf(fault).field;
   const std::string what = WhatIsNotFinite(result);
-  if (!what.empty())
+  if (!what.empty()) {
     return PreconditionFailed("NOT_FINITE", absl::StrCat("not a finite number: ", what), field);
+  }
   return PreconditionFailed(
       "RESULT_UNUSABLE", absl::StrCat("what the worker reports cannot be used: ", fault.message()),
       field);

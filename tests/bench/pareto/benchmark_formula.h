@@ -24,8 +24,9 @@ inline double Root(double value) { return std::sqrt(value); }
 inline Dual Root(const Dual& value) {
   if (value.value() > 0) return Dual(sqrt(value));
   Dual root(0, value.derivatives());
-  for (double& slope : root.derivatives())
+  for (double& slope : root.derivatives()) {
     if (slope != 0) slope = std::copysign(std::numeric_limits<double>::infinity(), slope);
+  }
   return root;
 }
 

@@ -35,14 +35,16 @@ struct Distances {
   template <typename T>
   Vector<T> operator()(const Vector<T>& x) const {
     Vector<T> y;
-    for (std::size_t i = first; i < x.size(); ++i)
+    for (std::size_t i = first; i < x.size(); ++i) {
       y.push_back(T(x[i] - best[static_cast<Index>(i - first)]));
+    }
     if (rotation.size() == 0) return y;
     Vector<T> turned;
     for (Index i = 0; i < rotation.rows(); ++i) {
       T sum = T(y[0] * rotation(i, 0));
-      for (Index j = 1; j < rotation.cols(); ++j)
+      for (Index j = 1; j < rotation.cols(); ++j) {
         sum += T(y[static_cast<std::size_t>(j)] * rotation(i, j));
+      }
       turned.push_back(sum);
     }
     return turned;
@@ -196,8 +198,9 @@ struct Kursawe {
       first += T(T(exp(T(length * -0.2))) * -10.0);
     }
     T second = T(x[0] * 0.0);
-    for (const T& value : x)
+    for (const T& value : x) {
       second += T(pow(T(abs(value)), 0.8)) + T(T(sin(T(value * value * value))) * 5.0);
+    }
     return {first, second};
   }
 };
@@ -222,11 +225,12 @@ struct Fourier {
     Vector<T> metrics;
     for (std::size_t j = 0; j < amplitude.size(); ++j) {
       T sum = T(x[0] * 0.0);
-      for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t i = 0; i < x.size(); ++i) {
         for (int k = 0; k < kTerms; ++k) {
           const auto row = static_cast<Index>(i);
           sum += T(T(sin(T(x[i] * (k + 1.0) + phase[j](row, k)))) * amplitude[j](row, k));
         }
+      }
       metrics.push_back(sum);
     }
     return metrics;
@@ -349,10 +353,12 @@ double DtlzHypervolume(int number, const VectorXd& reference) {
   const double r = reference[0], box = std::pow(r, d);
   const double half = 0.5 * d;
   if (number == 1) return box - std::pow(0.5, d) / std::tgamma(d + 1.0);
-  if (number <= 4 || (number <= 6 && d == 2))  // a ball's part where all are positive
+  if (number <= 4 || (number <= 6 && d == 2)) {  // a ball's part where all are positive
     return box - std::pow(kPi, half) / std::tgamma(half + 1) / std::pow(2.0, d);
-  if (number <= 6 && d == 3)  // over slices of the third metric, f1 = f2 = sqrt((1 - f3^2) / 2)
+  }
+  if (number <= 6 && d == 3) {  // over slices of the third metric, f1 = f2 = sqrt((1 - f3^2) / 2)
     return r * r - r * kPi / (2 * std::sqrt(2.0)) + 1.0 / 3 + (r - 1) * r * r;
+  }
   if (number <= 6) return 0;  // more than the curve is optimal
   // The last metric is 2 d - M(f1) - M(f2) - ... along the front, with M the greatest
   // f (1 + sin(3 pi f)) up to there.
@@ -370,9 +376,10 @@ double DtlzHypervolume(int number, const VectorXd& reference) {
 absl::StatusOr<BenchmarkProblem> MakeDtlz(int number, int dimensions,
                                           const BenchmarkVariant& variant) {
   const int metrics = variant.metrics == 0 ? 3 : variant.metrics;
-  if (dimensions < metrics)
+  if (dimensions < metrics) {
     return InvalidField("dimensions", absl::StrCat("DTLZ problems of ", metrics,
                                                    " metrics need at least ", metrics));
+  }
   const DesignSpace space = Box(dimensions, 0, 1);
   VectorXd reference = VectorXd::Constant(metrics, number == 1 ? 0.55 : 1.1);
   if (number == 7) reference[metrics - 1] = 2.2 * metrics;
@@ -509,12 +516,15 @@ int PublishedDimensions(const std::string& name, int metrics) {
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
                                                       const BenchmarkVariant& variant) {
   const std::string lower = absl::AsciiStrToLower(name);
-  if (dimensions < 1 || dimensions > 512)
+  if (dimensions < 1 || dimensions > 512) {
     return InvalidField("dimensions", "must lie between 1 and 512");
-  if (variant.metrics != 0 && lower != "fourier" && !lower.starts_with("dtlz"))
+  }
+  if (variant.metrics != 0 && lower != "fourier" && !lower.starts_with("dtlz")) {
     return InvalidField("metrics", "can be chosen for DTLZ and Fourier problems only");
-  if (variant.metrics != 0 && (variant.metrics < 2 || variant.metrics > kMostMetrics))
+  }
+  if (variant.metrics != 0 && (variant.metrics < 2 || variant.metrics > kMostMetrics)) {
     return InvalidField("metrics", absl::StrCat("must lie between 2 and ", kMostMetrics));
+  }
   for (const int number : {1, 2, 3, 4, 6}) {
     if (lower != absl::StrCat("zdt", number)) continue;
     if (dimensions < 2) return InvalidField("dimensions", "ZDT problems need at least 2");
@@ -524,15 +534,18 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
     if (lower != absl::StrCat("dtlz", number)) continue;
     return MakeDtlz(number, dimensions, variant);
   }
-  if (PublishedDimensions(lower) == 0 || lower.starts_with("zdt") || lower.starts_with("dtlz"))
+  if (PublishedDimensions(lower) == 0 || lower.starts_with("zdt") || lower.starts_with("dtlz")) {
     return InvalidField("name", absl::StrCat("no benchmark problem '", name, "'; there are ",
                                              absl::StrJoin(BenchmarkNames(), ", ")));
-  if (variant.shifted || variant.rotated)
+  }
+  if (variant.shifted || variant.rotated) {
     return InvalidField("variant", "only ZDT and DTLZ problems can be shifted or rotated");
+  }
   if (lower == "fourier") return MakeFourier(dimensions, variant);
   if (MixedDimensions(lower) > 0) return MakeMixedProblem(name, dimensions);
-  if (dimensions != PublishedDimensions(lower))
+  if (dimensions != PublishedDimensions(lower)) {
     return InvalidField("dimensions", absl::StrCat(name, " has ", PublishedDimensions(lower)));
+  }
   if (lower == "bnh") return MakeBnh();
   if (lower == "srn") return MakeSrn();
   if (lower == "tnk") return MakeTnk();

@@ -28,8 +28,9 @@ absl::StatusOr<BenchmarkResult> RunBenchmark(
   Discovery::Options constrained = options;
   constrained.constraints = problem.constraint_count;
   std::vector<DiscreteParameter> discrete;
-  if (!problem.rounded)
+  if (!problem.rounded) {
     discrete = WithWholeNumbers(problem.space, problem.choices, options.evaluations);
+  }
   MORTISE_ASSIGN_OR_RETURN(const auto discovery, MakeDiscovery(problem.space, discrete,
                                                                problem.metric_count, constrained));
   BenchmarkResult result;

@@ -175,24 +175,27 @@ void PrintMeasures(const pareto::BenchmarkProblem& problem, const Measured& meas
                    const Output& output) {
   if (measured.dense) {
     std::string share;
-    if (problem.hypervolume > 0)
+    if (problem.hypervolume > 0) {
       share = absl::StrFormat(", %.4f of the true one",
                               measured.dense->hypervolume / problem.hypervolume);
+    }
     output.Line(absl::StrFormat("Its pieces, densely: %d more evaluations, hypervolume %.6g%s",
                                 measured.dense->evaluations, measured.dense->hypervolume, share));
   }
-  if (measured.errors)
+  if (measured.errors) {
     output.Line(absl::StrFormat(
         "Distance of its points from the true front: %.1f %% of %d below 1e-5, at most %.2g",
         100 * ShareBelow(*measured.errors), measured.errors->points, measured.errors->worst));
+  }
 }
 
 void Print(const pareto::BenchmarkProblem& problem, const Measured& measured,
            const Output& output) {
   const pareto::BenchmarkResult& result = measured.discovery;
   std::string share;
-  if (problem.hypervolume > 0)
+  if (problem.hypervolume > 0) {
     share = absl::StrFormat(", %.4f of the true one", result.hypervolume / problem.hypervolume);
+  }
   output.Line(absl::StrFormat(
       "%s, %d parameters: %d evaluations, hypervolume %.6g%s, %d designs that none dominates, "
       "%d pieces, %.3f ms of its own an evaluation",
@@ -217,8 +220,9 @@ v1::Front MessageOf(const pareto::BenchmarkProblem& problem,
                     const pareto::BenchmarkResult& result) {
   v1::Front message;
   message.mutable_specification()->set_subject(problem.name);
-  for (const std::string& name : Numbered("x", problem.space.size()))
+  for (const std::string& name : Numbered("x", problem.space.size())) {
     message.add_parameter_names(name);
+  }
   for (const std::string& name : Numbered("f", problem.metric_count)) {
     message.add_metric_names(name);
     message.add_metric_units("");
@@ -257,8 +261,9 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
       pareto::BenchmarkProblem problem,
       pareto::MakeBenchmarkProblem(options.name, std::max(1, dimensions), options.variant));
   problem.rounded = options.rounded;
-  if (options.front_error && (problem.constraint_count > 0 || !problem.choices.empty()))
+  if (options.front_error && (problem.constraint_count > 0 || !problem.choices.empty())) {
     return InvalidField("front_error", "is for problems without constraints and choices");
+  }
   pareto::Discovery::Options discovery;
   discovery.evaluations = options.evaluations;
   discovery.seed = options.seed;
@@ -278,9 +283,10 @@ absl::Status Run(const BenchmarkOptions& options, Output& output) {
   if (options.dense) measured.dense = EvaluateDensely(problem, measured.discovery.front);
   if (options.front_error) measured.errors = MeasureErrors(problem, measured.discovery.front);
   if (output.text()) Print(problem, measured, output);
-  if (!options.out.empty())
+  if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(
         WriteFiles(MessageOf(problem, measured.discovery), options.out, output));
+  }
   output.Document(DocumentOf(options, problem, measured));
   return absl::OkStatus();
 }

@@ -156,8 +156,9 @@ struct GearTrain {
     using std::abs;
     const T off = T(x[0] * x[1] / (x[2] * x[3]) - 1 / 6.931);
     T largest = x[0];
-    for (const T& teeth : x)
+    for (const T& teeth : x) {
       if (NumberOf(teeth) > NumberOf(largest)) largest = teeth;
+    }
     return {T(abs(off)), largest};
   }
 };
@@ -168,8 +169,8 @@ double DiscBrakeHypervolume(const VectorXd& reference) {
   std::vector<VectorXd> front;
   const DiscBrake formula;
   constexpr int kSteps = 200;
-  for (double n = 2; n <= 11; ++n)
-    for (int i = 0; i <= kSteps; ++i)
+  for (double n = 2; n <= 11; ++n) {
+    for (int i = 0; i <= kSteps; ++i) {
       for (int k = 0; k <= kSteps; ++k) {
         const double inner = 55 + 25.0 * i / kSteps;
         const double outer = inner + 20 + (110 - 20 - inner) * k / kSteps;
@@ -181,6 +182,8 @@ double DiscBrakeHypervolume(const VectorXd& reference) {
         const bool feasible = force >= 1000 && values[6] <= 0;
         if (feasible) front.push_back(Eigen::Vector2d(values[0], values[1]));
       }
+    }
+  }
   return Hypervolume(front, reference);
 }
 
@@ -188,8 +191,8 @@ double GearTrainHypervolume(const VectorXd& reference) {
   std::vector<VectorXd> front;
   for (int largest = 12; largest <= 60; ++largest) {
     double least = std::numeric_limits<double>::infinity();
-    for (int a = 12; a <= largest; ++a)
-      for (int b = a; b <= largest; ++b)
+    for (int a = 12; a <= largest; ++a) {
+      for (int b = a; b <= largest; ++b) {
         for (int c = 12; c <= largest; ++c) {
           // The driven gear that makes the ratio nearest, rounded either way.
           const double wanted = 6.931 * a * b / c;
@@ -198,6 +201,8 @@ double GearTrainHypervolume(const VectorXd& reference) {
             least = std::min(least, std::abs(a * b / (c * teeth) - 1 / 6.931));
           }
         }
+      }
+    }
     front.push_back(Eigen::Vector2d(least, largest));
   }
   return Hypervolume(front, reference);

@@ -71,8 +71,9 @@ TEST_F(ParetoServiceTest, ASingleValueOfAConstraintIsABandThatIsStated) {
   constraint.set_maximum(2.5);
   const v1::Front front = FrontOf(Wait(Discover(request).name()));
   EXPECT_GT(front.points_size(), 10);
-  for (const v1::FrontPoint& point : front.points())
+  for (const v1::FrontPoint& point : front.points()) {
     EXPECT_NEAR(point.constraint_metrics(0), 2.5, 0.00125 + 1e-12);
+  }
   ASSERT_EQ(front.remarks_size(), 1);
   EXPECT_NE(front.remarks(0).find("2.49875 to 2.50125"), std::string::npos) << front.remarks(0);
 

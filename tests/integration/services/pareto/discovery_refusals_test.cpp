@@ -70,10 +70,12 @@ TEST_F(ParetoServiceTest, RefusesBadInput) {
     };
   };
   EXPECT_EQ(Refusal(toleranced("y", 0.01, 1)), grpc::StatusCode::INVALID_ARGUMENT);
-  for (const double bad : {0.0, -0.01, nan, 0.9})
+  for (const double bad : {0.0, -0.01, nan, 0.9}) {
     EXPECT_EQ(Refusal(toleranced("x0", bad, 1)), grpc::StatusCode::INVALID_ARGUMENT) << bad;
-  for (const double bad : {-1.0, nan, 101.0})
+  }
+  for (const double bad : {-1.0, nan, 101.0}) {
     EXPECT_EQ(Refusal(toleranced("x0", 0.01, bad)), grpc::StatusCode::INVALID_ARGUMENT) << bad;
+  }
   EXPECT_EQ(Refusal([](Specification& s) { s.set_deviations(3); }),
             grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Refusal([&](Specification& s) {

@@ -53,8 +53,9 @@ TEST_F(ParetoServiceTest, EndsAtOnceWhereTheSubjectLacksSomething) {
   EXPECT_EQ(error.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(DetailOf(error).reason, "SUBJECT_UNUSABLE");
   EXPECT_EQ(DetailOf(error).field, "templates/zdt1");
-  for (const char* part : {"templates/zdt1", "nothing holds it", "NO_SUPPORTS"})
+  for (const char* part : {"templates/zdt1", "nothing holds it", "NO_SUPPORTS"}) {
     EXPECT_NE(error.message().find(part), std::string::npos) << error;
+  }
   EXPECT_LT(evaluator_.evaluations(), 100);
 }
 
@@ -143,11 +144,12 @@ TEST_F(ParetoServiceTest, CountsDesignsThatWereNotFinite) {
   const v1::Front front = FrontOf(Wait(Discover(Request(60)).name()));
   ASSERT_GT(front.failures_size(), 0);
   std::int64_t count = 0;
-  for (const v1::EvaluationFailure& failure : front.failures())
+  for (const v1::EvaluationFailure& failure : front.failures()) {
     if (failure.reason() == "NOT_FINITE") {
       count += failure.count();
       EXPECT_EQ(failure.message(), "not a finite number: gain");
     }
+  }
   EXPECT_GT(count, 0);
   evaluator_.FailFrom(
       0, PreconditionFailed("NOT_FINITE", "not a finite number: gain", "result.metrics[1]"));

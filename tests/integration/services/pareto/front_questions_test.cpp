@@ -123,8 +123,9 @@ TEST_F(ParetoServiceTest, FrontsReachTheBestThatWasEvaluated) {
     v1::PickPointResponse picked;
     ASSERT_TRUE(Asked(pick, picked).ok());
     EXPECT_EQ(picked.metrics(metric).value(), best);
-    for (const v1::FrontImprovement& improvement : picked.improvements())
+    for (const v1::FrontImprovement& improvement : picked.improvements()) {
       EXPECT_NE(improvement.metric(), front.metric_names(metric)) << "nothing is better";
+    }
     v1::RestrictFrontRequest request;
     request.set_name(front.name());
     v1::FrontLimit& limit = *request.add_limits();

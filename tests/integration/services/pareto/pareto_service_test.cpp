@@ -17,9 +17,10 @@ TEST_F(ParetoServiceTest, DiscoversPicksListsAndExports) {
   const v1::Operation operation = Wait(Discover(Request(200)).name());
   ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
   EXPECT_EQ(operation.progress().total(), 200);
-  for (const char* told : {"hypervolume 0.", " cells covered", " pieces followed"})
+  for (const char* told : {"hypervolume 0.", " cells covered", " pieces followed"}) {
     EXPECT_NE(operation.progress().message().find(told), std::string::npos)
         << operation.progress().message();
+  }
   const v1::Front front = FrontOf(operation);
   EXPECT_EQ(front.evaluations(), 200);
   EXPECT_EQ(evaluator_.evaluations(), 200);
@@ -79,8 +80,9 @@ TEST_F(ParetoServiceTest, TellsHowWellItsSurrogateForetold) {
 
 TEST_F(ParetoServiceTest, DiscoversFrontsOfFourMetrics) {
   v1::DiscoverFrontRequest request = Request(300);
-  for (const char* metric : {"stress", "cost"})
+  for (const char* metric : {"stress", "cost"}) {
     request.mutable_specification()->add_objectives()->set_metric(metric);
+  }
   const v1::Operation operation = Wait(Discover(request).name());
   ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
   const v1::Front front = FrontOf(operation);

@@ -29,8 +29,9 @@ TEST_F(ParetoServiceTest, SurvivesKillNineWithTheSameFront) {
   ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
   const v1::Front front = FrontOf(operation);
   ASSERT_EQ(front.points_size(), reference.points_size());
-  for (int i = 0; i < front.points_size(); ++i)
+  for (int i = 0; i < front.points_size(); ++i) {
     EXPECT_EQ(front.points(i).SerializeAsString(), reference.points(i).SerializeAsString());
+  }
   // What had been answered was not asked again, but for what was under way.
   EXPECT_LE(evaluator_.evaluations() - before, 120 + 16);
 }
@@ -74,8 +75,9 @@ TEST_F(ParetoServiceTest, StartsFromAnEarlierFront) {
   }
   const std::vector<Eigen::VectorXd> evaluated = evaluator_.TakeEvaluated();
   int repeated = 0;
-  for (std::size_t i = 0; i < 18; ++i)
+  for (std::size_t i = 0; i < 18; ++i) {
     repeated += known.contains({evaluated[i].begin(), evaluated[i].end()}) ? 1 : 0;
+  }
   EXPECT_EQ(repeated, 10);
 
   // Killed in the middle it goes on to the same front.
@@ -89,8 +91,9 @@ TEST_F(ParetoServiceTest, StartsFromAnEarlierFront) {
   Connect();
   const v1::Front resumed = FrontOf(Wait(started.name()));
   ASSERT_EQ(resumed.points_size(), front.points_size());
-  for (int i = 0; i < front.points_size(); ++i)
+  for (int i = 0; i < front.points_size(); ++i) {
     EXPECT_EQ(resumed.points(i).SerializeAsString(), front.points(i).SerializeAsString());
+  }
 
   request.mutable_specification()->set_start_from(0, "fronts/absent");
   v1::Operation operation;

@@ -30,8 +30,9 @@ class Zdt1Evaluator : public v1::EvaluatorService::Service {
   grpc::Status DescribeDesignSpace(grpc::ServerContext*,
                                    const v1::DescribeDesignSpaceRequest* request,
                                    v1::DesignSpace* response) override {
-    if (request->subject() != "templates/zdt1" && request->subject() != "evaluators/mixed")
+    if (request->subject() != "templates/zdt1" && request->subject() != "evaluators/mixed") {
       return {grpc::StatusCode::NOT_FOUND, "no such template"};
+    }
     response->set_subject(request->subject());
     response->set_revision(3);
     for (int i = 0; i < kDimensions; ++i) {

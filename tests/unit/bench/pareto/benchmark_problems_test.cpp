@@ -25,8 +25,9 @@ std::vector<BenchmarkProblem> AllProblems() {
     problems.push_back(*MakeBenchmarkProblem(name, dimensions));
     if (!HasVariants(name)) continue;
     for (const auto& [shifted, rotated] :
-         {std::pair(true, false), std::pair(false, true), std::pair(true, true)})
+         {std::pair(true, false), std::pair(false, true), std::pair(true, true)}) {
       problems.push_back(*MakeBenchmarkProblem(name, dimensions, {shifted, rotated, 3}));
+    }
   }
   problems.push_back(*MakeBenchmarkProblem("Fourier", 4, {.instance = 2, .metrics = 3}));
   return problems;
@@ -47,20 +48,23 @@ TEST(BenchmarkProblemsTest, GradientsAgreeWithDifferences) {
     // Between the steps: where two whole numbers are the same, the larger of them has a kink.
     Eigen::VectorXd x =
         problem.space.lower + u.cwiseProduct(problem.space.upper - problem.space.lower);
-    for (const DiscreteParameter& choice : problem.choices)
+    for (const DiscreteParameter& choice : problem.choices) {
       x[choice.parameter] = problem.space.FromUnit(u)[choice.parameter];
+    }
     const Evaluation exact = problem.evaluate(x, true);
     EXPECT_EQ(Values(exact), Values(problem.evaluate(x, false))) << problem.name;
     EXPECT_EQ(exact.metrics.size(), problem.metric_count);
     EXPECT_EQ(exact.constraints.size(), problem.constraint_count);
     Eigen::MatrixXd jacobian(problem.metric_count + problem.constraint_count, x.size());
     jacobian.topRows(problem.metric_count) = exact.jacobian;
-    if (problem.constraint_count > 0)
+    if (problem.constraint_count > 0) {
       jacobian.bottomRows(problem.constraint_count) = exact.constraint_jacobian;
+    }
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       if (std::ranges::find(problem.choices, i, &DiscreteParameter::parameter) !=
-          problem.choices.end())
+          problem.choices.end()) {
         continue;
+      }
       Eigen::VectorXd up = x, down = x;
       up[i] += 1e-6;
       down[i] -= 1e-6;
@@ -217,12 +221,13 @@ TEST(BenchmarkProblemsTest, TrueHypervolumesUnderConstraintsAreThoseOfAGrid) {
   for (const char* name : {"BNH", "SRN", "TNK"}) {
     const BenchmarkProblem problem = *MakeBenchmarkProblem(name, 2);
     std::vector<Eigen::VectorXd> points;
-    for (int i = 0; i <= kSteps; ++i)
+    for (int i = 0; i <= kSteps; ++i) {
       for (int j = 0; j <= kSteps; ++j) {
         const Evaluation found =
             problem.evaluate(problem.space.FromUnit(Eigen::Vector2d(i, j) / kSteps), false);
         if (found.constraints.maxCoeff() <= 0) points.push_back(found.metrics);
       }
+    }
     const double sampled = Hypervolume(points, problem.reference);
     EXPECT_LE(sampled, problem.hypervolume * (1 + 1e-6)) << name;
     EXPECT_GT(sampled, problem.hypervolume * 0.985) << name;

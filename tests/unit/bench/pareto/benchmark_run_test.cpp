@@ -31,8 +31,9 @@ TEST(BenchmarkRun, GivesEveryDesignThatNoneDominates) {
   ASSERT_GT(result->non_dominated.size(), 5u);
   for (const BenchmarkPoint& point : result->non_dominated) {
     EXPECT_EQ(problem.evaluate(point.x, false).metrics, point.metrics);
-    for (const BenchmarkPoint& other : result->non_dominated)
+    for (const BenchmarkPoint& other : result->non_dominated) {
       EXPECT_FALSE(Dominates(other.metrics, point.metrics));
+    }
   }
 }
 
@@ -127,8 +128,9 @@ TEST(BenchmarkRun, IsTheSameForTheSameSeed) {
   const auto second = RunBenchmark(problem, options, true);
   ASSERT_TRUE(first.ok() && second.ok());
   ASSERT_EQ(first->non_dominated.size(), second->non_dominated.size());
-  for (std::size_t i = 0; i < first->non_dominated.size(); ++i)
+  for (std::size_t i = 0; i < first->non_dominated.size(); ++i) {
     EXPECT_EQ(first->non_dominated[i].x, second->non_dominated[i].x);
+  }
 }
 
 TEST(BenchmarkRun, KeepsWhatItHasWhenCancelled) {

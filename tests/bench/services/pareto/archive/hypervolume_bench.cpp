@@ -14,8 +14,9 @@ namespace {
 std::vector<Eigen::VectorXd> Sphere(const benchmark::State& state) {
   Random random(1);
   std::vector<Eigen::VectorXd> points;
-  for (std::int64_t i = 0; i < state.range(1); ++i)
+  for (std::int64_t i = 0; i < state.range(1); ++i) {
     points.push_back(random.UnitVector(state.range(0)).cwiseAbs());
+  }
   return points;
 }
 
@@ -41,8 +42,9 @@ void Contributions(benchmark::State& state, std::size_t most) {
   const auto points = Sphere(state);
   const Eigen::VectorXd reference = Reference(state);
   Eigen::MatrixXd columns(state.range(0), state.range(1));
-  for (Eigen::Index i = 0; i < columns.cols(); ++i)
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     columns.col(i) = points[static_cast<std::size_t>(i)];
+  }
   Random random(2);
   std::vector<Eigen::VectorXd> added;
   for (int i = 0; i < 16; ++i) added.push_back(0.99 * random.UnitVector(state.range(0)).cwiseAbs());

@@ -30,8 +30,9 @@ MatrixXd NearAFront(Eigen::Index parameters, Eigen::Index count, Eigen::Index di
 
 std::vector<std::pair<double, std::size_t>> LookAtAll(const MatrixXd& designs, const VectorXd& u) {
   std::vector<std::pair<double, std::size_t>> all;
-  for (Eigen::Index i = 0; i < designs.cols(); ++i)
+  for (Eigen::Index i = 0; i < designs.cols(); ++i) {
     all.emplace_back((designs.col(i) - u).squaredNorm(), static_cast<std::size_t>(i));
+  }
   std::partial_sort(all.begin(), all.begin() + kCount, all.end());
   return all;
 }

@@ -72,8 +72,9 @@ pagmo::algorithm Make(const Peer& peer, Eigen::Index metric_count, unsigned gene
 
 std::vector<Peer> Peers(const std::vector<int>& populations) {
   std::vector<Peer> peers;
-  for (const char* algorithm : {"NSGA-II", "MOEA/D", "NSPSO", "MACO"})
+  for (const char* algorithm : {"NSGA-II", "MOEA/D", "NSPSO", "MACO"}) {
     for (const int population : populations) peers.push_back({algorithm, population});
+  }
   return peers;
 }
 
@@ -83,10 +84,11 @@ std::vector<Eigen::VectorXd> RunPeer(const Peer& peer, const BenchmarkProblem& p
   pagmo::population population(pagmo::problem(RecordedProblem{&problem, &answers}),
                                static_cast<unsigned>(peer.population), static_cast<unsigned>(seed));
   const std::int64_t generations = (evaluations - 1) / peer.population;  // after the first
-  if (generations > 0)
+  if (generations > 0) {
     Make(peer, problem.metric_count, static_cast<unsigned>(generations),
          static_cast<unsigned>(seed))
         .evolve(population);
+  }
   answers.resize(std::min(answers.size(), static_cast<std::size_t>(evaluations)));
   return answers;
 }

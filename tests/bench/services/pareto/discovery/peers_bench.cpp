@@ -159,8 +159,9 @@ void ReadPeers(const Selection& selection, Row& row) {
     if (name.size() != 2 || !absl::SimpleAtoi(name[1], &peer.population)) continue;
     std::vector<double> shares(
         std::min(fields.size() - 1, static_cast<std::size_t>(selection.seeds)));
-    for (std::size_t i = 0; i < shares.size(); ++i)
+    for (std::size_t i = 0; i < shares.size(); ++i) {
       if (!absl::SimpleAtod(fields[i + 1], &shares[i])) shares[i] = 0;
+    }
     row.peers.emplace_back(peer, shares);
   }
 }
@@ -171,13 +172,15 @@ std::vector<Row> RowsOf(const Selection& selection, const std::string& problem, 
   int dimensions = PublishedDimensions(parts.front());
   if (parts.size() > 1 && !absl::SimpleAtoi(parts[1], &dimensions)) dimensions = 0;
   std::vector<Row> rows;
-  for (const std::int64_t evaluations : selection.budgets)
-    if (IsRun(absl::AsciiStrToUpper(parts.front()), turned, evaluations))
+  for (const std::int64_t evaluations : selection.budgets) {
+    if (IsRun(absl::AsciiStrToUpper(parts.front()), turned, evaluations)) {
       rows.push_back({.problem = parts.front(),
                       .dimensions = dimensions,
                       .turned = turned,
                       .gradients = OffersGradients(evaluations),
                       .evaluations = evaluations});
+    }
+  }
   return rows;
 }
 
@@ -218,41 +221,46 @@ Json DocumentOf(const Row& row) {
                 {"dense_shares", row.dense},
                 {"peers", Json::array()},
                 {"verdict", Verdict(row)}};
-  for (const auto& [peer, shares] : row.peers)
+  for (const auto& [peer, shares] : row.peers) {
     document["peers"].push_back(
         {{"algorithm", peer.algorithm}, {"population", peer.population}, {"shares", shares}});
+  }
   return document;
 }
 
 absl::Status Run(const Selection& selection) {
   Json document = Json::array();
   std::map<std::string, int> verdicts;
-  if (!selection.csv && !selection.json)
+  if (!selection.csv && !selection.json) {
     std::cout << absl::StrFormat("%-12s  %-16s %7s  %-24s  %-24s  %s\n", "problem", "variant",
                                  "budget", "ours", "ours, densely", "best peer");
+  }
   if (selection.csv) std::cout << "problem,dims,variant,evaluations,gradients,who,shares\n";
   for (const std::string& variant : selection.variants) {
     for (const std::string& problem : selection.problems) {
       std::vector<Row> rows = RowsOf(selection, problem, variant == "turned");
       if (rows.empty()) continue;
       MORTISE_RETURN_IF_ERROR(ProblemOf(rows.front(), 1).status());
-      for (int seed = 1; seed <= selection.seeds; ++seed)
+      for (int seed = 1; seed <= selection.seeds; ++seed) {
         RunSeed(selection, static_cast<std::uint64_t>(seed), rows);
+      }
       for (Row& row : rows) {
         if (!selection.peers_file.empty()) ReadPeers(selection, row);
         ++verdicts[Verdict(row)];
-        if (selection.json)
+        if (selection.json) {
           document.push_back(DocumentOf(row));
-        else
+        } else {
           selection.csv ? PrintCsv(row) : PrintText(row);
+        }
       }
       std::cout << std::flush;
     }
   }
   if (selection.json) std::cout << document.dump(2) << "\n";
-  if (!selection.json && !selection.csv && !selection.ours_only && !selection.peers_only)
+  if (!selection.json && !selection.csv && !selection.ours_only && !selection.peers_only) {
     std::cout << absl::StrFormat("above %d, within %.3f %d, below %d\n", verdicts["above"], kMargin,
                                  verdicts["within"], verdicts["below"]);
+  }
   return absl::OkStatus();
 }
 

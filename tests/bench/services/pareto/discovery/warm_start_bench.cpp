@@ -154,8 +154,9 @@ struct Measure {
   VectorXd ideal, nadir;
   double Share(const std::vector<VectorXd>& metrics, std::size_t count) const {
     std::vector<VectorXd> points;
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < count; ++i) {
       points.push_back((metrics[i] - ideal).cwiseQuotient(nadir - ideal));
+    }
     return Hypervolume(points, VectorXd::Constant(ideal.size(), 1.1));
   }
 };
@@ -193,8 +194,9 @@ void BM_WarmStart(benchmark::State& state) {
       cold.push_back(Discover(changed.after, budget, seed, {}));
       warm.push_back(
           Discover(changed.after, budget, seed, StartFrom(earlier, changed.after, budget)));
-      for (const Run* run : {&cold.back(), &warm.back()})
+      for (const Run* run : {&cold.back(), &warm.back()}) {
         best = std::max(best, measure.Share(run->metrics, run->metrics.size()));
+      }
     }
     const auto median = [&](const std::vector<Run>& runs, auto value) {
       std::vector<double> values;

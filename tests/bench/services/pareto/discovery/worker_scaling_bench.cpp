@@ -70,10 +70,12 @@ class SleepingEvaluator : public Evaluator {
 
 bool Same(const Front& a, const Front& b) {
   if (a.points.size() != b.points.size()) return false;
-  for (std::size_t i = 0; i < a.points.size(); ++i)
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
     if (a.points[i].x != b.points[i].x || a.points[i].metrics != b.points[i].metrics ||
-        a.points[i].piece != b.points[i].piece)
+        a.points[i].piece != b.points[i].piece) {
       return false;
+    }
+  }
   return true;
 }
 
@@ -154,11 +156,14 @@ void BM_Schedule(benchmark::State& state) {
 
 void Schedules(benchmark::internal::Benchmark* bench) {
   bench->Unit(benchmark::kMillisecond)->Iterations(1);
-  for (const int slow : {0, 5})
-    for (const int window : {8, 16, 32})
+  for (const int slow : {0, 5}) {
+    for (const int window : {8, 16, 32}) {
       for (const auto& [problem, parameters, evaluations] :
-           {std::tuple{0, 15, 300}, {0, 15, 1000}, {6, 12, 1000}, {12, 3, 300}, {13, 3, 300}})
+           {std::tuple{0, 15, 300}, {0, 15, 1000}, {6, 12, 1000}, {12, 3, 300}, {13, 3, 300}}) {
         bench->Args({problem, parameters, evaluations, window, slow});
+      }
+    }
+  }
 }
 
 BENCHMARK(BM_Workers)

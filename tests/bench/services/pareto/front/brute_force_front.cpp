@@ -26,8 +26,9 @@ constexpr double kJoining = 0.1;  // designs nearer than this are one stretch; u
 VectorXd AnglesOf(const VectorXd& scaled) {
   const VectorXd y = scaled.cwiseMax(0.0);
   VectorXd angles(y.size() - 1);
-  for (Index k = 0; k < angles.size(); ++k)
+  for (Index k = 0; k < angles.size(); ++k) {
     angles[k] = std::atan2(y.tail(y.size() - 1 - k).norm(), y[k]) / (std::numbers::pi / 2);
+  }
   return angles;
 }
 
@@ -41,8 +42,9 @@ void ForEachOfGrid(const BenchmarkProblem& problem, int steps,
   std::vector<int> at(static_cast<std::size_t>(problem.space.size()), 0);
   for (;;) {
     VectorXd u(problem.space.size());
-    for (Index i = 0; i < u.size(); ++i)
+    for (Index i = 0; i < u.size(); ++i) {
       u[i] = static_cast<double>(at[static_cast<std::size_t>(i)]) / (steps - 1);
+    }
     use({u, problem.evaluate(problem.space.FromUnit(u), false).metrics});
     std::size_t i = 0;
     while (i < at.size() && ++at[i] == steps) at[i++] = 0;
@@ -138,8 +140,9 @@ void Rescale(Scaling& scaling, std::vector<VectorXd>& performance) {
     least = least.cwiseMin(each).eval();
     most = most.cwiseMax(each).eval();
   }
-  for (VectorXd& each : performance)
+  for (VectorXd& each : performance) {
     each = (each - least).cwiseQuotient((most - least).cwiseMax(1e-12)).eval();
+  }
   scaling.ideal += scaling.range.cwiseProduct(least);
   scaling.range = scaling.range.cwiseProduct((most - least).cwiseMax(1e-12)).eval();
 }
@@ -174,8 +177,9 @@ std::vector<std::pair<std::size_t, std::size_t>> Joined(const BruteForceFront& f
   if (front.designs.empty()) return joined;
   Eigen::MatrixXd angles(front.performance.front().size() - 1,
                          static_cast<Index>(front.performance.size()));
-  for (Index i = 0; i < angles.cols(); ++i)
+  for (Index i = 0; i < angles.cols(); ++i) {
     angles.col(i) = AnglesOf(front.performance[static_cast<std::size_t>(i)]);
+  }
   for (const auto& [i, k] : NeighboursAlong(angles)) {
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k);
     if ((front.designs[a] - front.designs[b]).norm() <= joining) joined.emplace_back(a, b);
@@ -188,9 +192,11 @@ std::vector<VectorXd> WithinGaps(const BruteForceFront& front) {
   if (front.performance.empty()) return {};
   const double spacing = front.performance.front().size() == 2 ? 1e-3 : 2e-2;
   std::vector<VectorXd> middles;
-  for (const auto& [a, b] : Joined(front, kJoining))
-    if ((front.performance[a] - front.performance[b]).norm() > spacing)
+  for (const auto& [a, b] : Joined(front, kJoining)) {
+    if ((front.performance[a] - front.performance[b]).norm() > spacing) {
       middles.push_back(0.5 * (front.designs[a] + front.designs[b]));
+    }
+  }
   return middles;
 }
 
@@ -215,8 +221,9 @@ BruteForceFront FindByBruteForce(const BenchmarkProblem& problem, int steps) {
     front.designs.push_back(problem.space.ToUnit(corner.x));
     front.performance.push_back(front.scaling.Apply(corner.metrics));
   }
-  for (const auto& [cell, kept] : best)
+  for (const auto& [cell, kept] : best) {
     for (const auto& [distance, u] : kept) starts.push_back(u);
+  }
   for (int round = 0; round < kRounds && !starts.empty(); ++round) {
     AddPushed(problem, starts, front);
     starts = WithinGaps(front);
@@ -234,9 +241,10 @@ std::vector<int> StretchesOf(const BruteForceFront& front) {
   for (const auto& [a, b] : Joined(front, kJoining)) parent[root(a)] = root(b);
   std::map<std::size_t, int> numbers;
   std::vector<int> stretches;
-  for (std::size_t i = 0; i < parent.size(); ++i)
+  for (std::size_t i = 0; i < parent.size(); ++i) {
     stretches.push_back(
         numbers.try_emplace(root(i), static_cast<int>(numbers.size())).first->second);
+  }
   return stretches;
 }
 

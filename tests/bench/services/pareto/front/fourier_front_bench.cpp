@@ -86,8 +86,10 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   std::cout << "metrics instance points below1e-5    worst  pieces  affine  stretches straight "
                "  archive     dense\n";
-  for (const int metrics : selection.metrics)
-    for (int instance = 1; instance <= selection.instances; ++instance)
+  for (const int metrics : selection.metrics) {
+    for (int instance = 1; instance <= selection.instances; ++instance) {
       mortise::pareto::PrintInstance(selection, metrics, instance);
+    }
+  }
   return 0;
 }

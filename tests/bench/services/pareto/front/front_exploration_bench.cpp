@@ -57,8 +57,9 @@ void BM_PickWithNeighboursAndImprovements(benchmark::State& state) {
 
 void BM_Restrict(benchmark::State& state) {
   const FrontExploration front = Explored(state);
-  for (auto _ : state)
+  for (auto _ : state) {
     benchmark::DoNotOptimize(front.Within({{true, 0, 0.1, 0.9}, {false, 3, 0.1, std::nullopt}}));
+  }
 }
 
 void BM_WalkOneStep(benchmark::State& state) {

@@ -34,8 +34,9 @@ Archive NearAFront(Eigen::Index parameters) {
     ArchiveEntry entry{u, true, {}, {}, {}};
     entry.metrics = Eigen::Vector2d((u - first).squaredNorm(), (u - second).squaredNorm());
     entry.constraints.resize(kConstraints);
-    for (int j = 0; j < kConstraints; ++j)
+    for (int j = 0; j < kConstraints; ++j) {
       entry.constraints[j] = (u - 0.3 * (j + 1) * first).squaredNorm() - 0.1 * parameters;
+    }
     archive.Add(std::move(entry));
   }
   return archive;

@@ -44,8 +44,9 @@ TEST(Archive, KeepsWhatNothingDominatesAsItGrows) {
       ASSERT_EQ(archive.non_dominated(), expected);
       const auto columns = archive.non_dominated_metrics();
       ASSERT_EQ(columns.cols(), std::ssize(expected));
-      for (std::size_t k = 0; k < expected.size(); ++k)
+      for (std::size_t k = 0; k < expected.size(); ++k) {
         EXPECT_EQ(columns.col(static_cast<Eigen::Index>(k)), archive[expected[k]].metrics);
+      }
       std::vector<std::size_t> gone;
       std::ranges::set_difference(previous, expected, std::back_inserter(gone));
       EXPECT_EQ(archive.displaced(), gone);

@@ -31,8 +31,9 @@ constexpr double kDeltaB = 0.01;
 MatrixXd MetricsOf(const Front& front) {
   MatrixXd metrics(front.points.empty() ? 0 : front.points[0].metrics.size(),
                    static_cast<Index>(front.points.size()));
-  for (std::size_t i = 0; i < front.points.size(); ++i)
+  for (std::size_t i = 0; i < front.points.size(); ++i) {
     metrics.col(static_cast<Index>(i)) = front.points[i].metrics;
+  }
   return metrics;
 }
 
@@ -116,8 +117,9 @@ TEST(FrontPlaces, ReachTheBestAndTheWorstOfEachMetricInAnyArchive) {
         ArchiveEntry entry;
         entry.evaluated = random.Uniform() > 0.1;
         entry.u = VectorXd::NullaryExpr(3, [&] { return random.Uniform(); });
-        if (entry.evaluated)
+        if (entry.evaluated) {
           entry.metrics = 5 + 100 * OnFront(random, shape.d, shape.power).array();
+        }
         entry.constraints = VectorXd::Constant(1, random.Uniform() - 0.8);
         archive.Add(entry);
       }
@@ -126,9 +128,10 @@ TEST(FrontPlaces, ReachTheBestAndTheWorstOfEachMetricInAnyArchive) {
           shape.d);
       buffer.Rebuild(archive, archive.CurrentScaling());
       std::vector<AffinePiece> pieces;
-      for (int p = 0; p < 4; ++p)
+      for (int p = 0; p < 4; ++p) {
         pieces.push_back({0, VectorXd::NullaryExpr(3, [&] { return random.Uniform(); }),
                           MatrixXd(random.UnitVector(3))});
+      }
       SCOPED_TRACE(testing::Message()
                    << shape.d << " metrics, power " << shape.power << ", seed " << seed);
       const DesignSpace space{VectorXd::Zero(3), VectorXd::Ones(3)};
@@ -142,15 +145,18 @@ TEST(FrontPlaces, CoverEveryTradeOff) {
   for (const Index d : {2, 3, 4}) {
     Random random(7);
     Archive archive;
-    for (int i = 0; i < 600; ++i)
+    for (int i = 0; i < 600; ++i) {
       archive.Add({VectorXd::Constant(1, random.Uniform()), true, OnFront(random, d, 2.5), {}, {}});
+    }
     PerformanceBuffer buffer({.cells_per_angle = d == 2 ? 1000 : 20}, d);
     buffer.Rebuild(archive, archive.CurrentScaling());
     const std::vector<FrontPlace> places = PlacesOfFront(archive, buffer);
     std::set<std::size_t> taken;
-    for (const FrontPlace& place : places)
-      for (const auto& candidate : place.candidates)
+    for (const FrontPlace& place : places) {
+      for (const auto& candidate : place.candidates) {
         EXPECT_TRUE(taken.insert(candidate.entry).second);
+      }
+    }
     const double width = std::numbers::pi / 2 / buffer.cells_per_angle() * std::sqrt(d - 1.0);
     for (const std::size_t entry : archive.non_dominated()) {
       const VectorXd scaled = buffer.scaling().Apply(archive[entry].metrics);
@@ -168,8 +174,9 @@ TEST(FrontPlaces, CoverEveryTradeOff) {
 TEST(FrontPlaces, OfEquallyGoodOnesTakeOneThatNoneDominates) {
   const MatrixXd metrics{{0, 0, 0, 1, 1}, {3, 1, 2, 0, 0}, {3, 2, 1, 2, 1}};
   Archive archive;
-  for (const auto& column : metrics.colwise())
+  for (const auto& column : metrics.colwise()) {
     archive.Add({VectorXd::Zero(1), true, VectorXd(column), {}, {}});
+  }
   EXPECT_EQ(EndsOfFront(archive), (std::vector<std::size_t>{1, 2, 4}));
 }
 

@@ -57,8 +57,9 @@ TEST(HypervolumeTest, OfAQuarterCircleAndAnOctantOfASphere) {
 
 Eigen::MatrixXd Columns(const std::vector<VectorXd>& points, Eigen::Index d) {
   Eigen::MatrixXd columns(d, static_cast<Eigen::Index>(points.size()));
-  for (Eigen::Index i = 0; i < columns.cols(); ++i)
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     columns.col(i) = points[static_cast<std::size_t>(i)];
+  }
   return columns;
 }
 
@@ -191,10 +192,11 @@ TEST(HypervolumeTest, AgreesWithCountingInThreeAndFourDimensions) {
     const auto points = RandomPoints(30, d, 5);
     const auto samples = RandomPoints(20000, d, 9);
     int dominated = 0;
-    for (const VectorXd& sample : samples)
+    for (const VectorXd& sample : samples) {
       dominated += std::any_of(points.begin(), points.end(), [&](const VectorXd& p) {
         return (p.array() <= sample.array()).all();
       });
+    }
     EXPECT_NEAR(Hypervolume(points, VectorXd::Ones(d)), dominated / 20000.0, 0.015) << d;
   }
 }

@@ -51,9 +51,10 @@ void ExpectSameAsLookingAtAll(const MatrixXd& designs, bool weighted, Random& ra
     const auto middle = static_cast<Eigen::Index>(known[known.size() / 2]);
     const VectorXd u =
         known.size() % 2 == 0 ? Anywhere(size, random) : VectorXd(designs.col(middle));
-    for (const std::size_t count : {1u, 7u, 60u})
+    for (const std::size_t count : {1u, 7u, 60u}) {
       ASSERT_EQ(nearest.Nearest(u, weights, count, view),
                 ByLookingAtAll(designs, known, u, weights, count));
+    }
   }
 }
 
@@ -67,8 +68,9 @@ TEST(NearestDesigns, AreThoseThatLookingAtAllFinds) {
     column[3] = random.Uniform();
   }
   // Many are equally near.
-  for (Eigen::Index i = 0; i < lattice.cols(); ++i)
+  for (Eigen::Index i = 0; i < lattice.cols(); ++i) {
     lattice.col(i) = Eigen::Vector3d(i % 7, (i / 7) % 7, i / 49) / 6;
+  }
   ExpectSameAsLookingAtAll(everywhere, true, random);
   ExpectSameAsLookingAtAll(along, true, random);
   ExpectSameAsLookingAtAll(lattice, false, random);

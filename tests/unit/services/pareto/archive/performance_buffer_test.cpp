@@ -138,8 +138,9 @@ TEST(BufferTest, AsksForARebuildWhenIdealOrNadirMoveByATenth) {
 TEST(ArchiveTest, ScalesFromIdealToNadirOfTheNonDominated) {
   Archive archive;
   for (const Eigen::Vector2d& metrics :
-       {Eigen::Vector2d(0, 4), Eigen::Vector2d(2, 1), Eigen::Vector2d(9, 9)})
+       {Eigen::Vector2d(0, 4), Eigen::Vector2d(2, 1), Eigen::Vector2d(9, 9)}) {
     archive.Add({VectorXd::Zero(1), true, metrics, {}, {}});
+  }
   EXPECT_EQ(archive.non_dominated().size(), 2u);
   EXPECT_EQ(archive.CurrentScaling().ideal, Eigen::Vector2d(0, 1));
   EXPECT_EQ(archive.CurrentScaling().range, Eigen::Vector2d(2, 3));

@@ -96,8 +96,9 @@ TEST(CombinedDiscovery, MergesTheFrontsOfAllCombinations) {
     }
     EXPECT_EQ(used, (std::set<double>{0, 1}));
     for (const auto& values : of_piece) EXPECT_EQ(values.size(), 1u) << "of one combination";
-    for (const FrontPiece& piece : front.pieces)
+    for (const FrontPiece& piece : front.pieces) {
       EXPECT_EQ(piece.directions.row(0).norm(), 0) << "leads to no other";
+    }
     const auto change = std::ranges::adjacent_find(
         front.points, [](const auto& a, const auto& b) { return a.x[0] != b.x[0]; });
     ASSERT_NE(change, front.points.end());
@@ -110,15 +111,18 @@ TEST(CombinedDiscovery, KeepsWhatIsNonDominatedOfTheUnion) {
   const Archive& archive = discovery->archive();
   ASSERT_EQ(archive.size(), 150u);
   std::vector<VectorXd> all;
-  for (std::size_t entry = 0; entry < archive.size(); ++entry)
+  for (std::size_t entry = 0; entry < archive.size(); ++entry) {
     all.push_back(archive[entry].metrics);
+  }
   std::vector<std::size_t> kept = archive.non_dominated();
   std::ranges::sort(kept);
   EXPECT_EQ(kept, NonDominated(all));
   const VectorXd range = archive.CurrentScaling().range;
-  for (const FrontPoint& point : discovery->front().points)
-    for (const std::size_t entry : kept)
+  for (const FrontPoint& point : discovery->front().points) {
+    for (const std::size_t entry : kept) {
       EXPECT_LT((point.metrics - all[entry]).cwiseQuotient(range).minCoeff(), 0.01);
+    }
+  }
 }
 
 TEST(CombinedDiscovery, OfOneCombinationIsADiscovery) {
@@ -275,8 +279,9 @@ TEST(CombinedDiscovery, BeginsWithTheDesignsGiven) {
       });
   EXPECT_EQ(discovery->summary().evaluations, 60);
   EXPECT_EQ(discovery->summary().combinations_tried, 3);
-  for (Eigen::Index i = 0; i < 3; ++i)
+  for (Eigen::Index i = 0; i < 3; ++i) {
     EXPECT_EQ(asked[static_cast<std::size_t>(i)], options.initial_designs.col(i));
+  }
 
   // Where there is one design of each combination, none is evaluated twice.
   const DesignSpace whole{Vector2d(0, 0), Vector2d(2, 3), Vector2d(1, 1)};

@@ -42,8 +42,9 @@ TEST(ConstrainedDiscoveryTest, FindsPublishedFronts) {
 // A part of OSY's front lies where two constraints meet, which one seed in some ten misses.
 TEST(ConstrainedDiscoveryTest, FindsTheFrontWhereConstraintsMeet) {
   std::vector<double> shares;
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5})
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     shares.push_back(ShareOf("OSY", Benchmark("OSY", 1000, seed)));
+  }
   std::ranges::sort(shares);
   EXPECT_GT(shares[2], 0.95);
   EXPECT_GT(shares[0], 0.5);
@@ -63,8 +64,9 @@ TEST(ConstrainedDiscoveryTest, KeepsToEveryConstraintExactly) {
       EXPECT_LE(problem.evaluate(point.x, false).constraints.maxCoeff(), 0) << name;
       EXPECT_EQ(point.constraints, problem.evaluate(point.x, false).constraints);
     }
-    for (const BenchmarkPoint& point : result.non_dominated)
+    for (const BenchmarkPoint& point : result.non_dominated) {
       EXPECT_LE(problem.evaluate(point.x, false).constraints.maxCoeff(), 0) << name;
+    }
     EXPECT_GT(result.summary.violating, 0);
     EXPECT_EQ(result.summary.failed, 0);
   }
@@ -103,8 +105,9 @@ TEST(ConstrainedDiscoveryTest, FindsItsWayToWhatIsAllowed) {
   EXPECT_GT(discovery->front().points.size(), 10u);
   // The first metric is 0.6 at its least.
   double least = 1;
-  for (const FrontPoint& point : discovery->front().points)
+  for (const FrontPoint& point : discovery->front().points) {
     least = std::min(least, point.metrics[0]);
+  }
   EXPECT_LT(least, 0.61);
 }
 

@@ -241,8 +241,9 @@ TEST_F(RunTest, ResumesWithTolerancesToTheSameFront) {
   auto second = Make();
   ASSERT_TRUE(pareto::Run(*second, evaluator, {}, ParseCheckpoint(saved)->results).ok());
   ExpectSame(first->front(), second->front());
-  for (std::size_t i = 0; i < first->front().points.size(); ++i)
+  for (std::size_t i = 0; i < first->front().points.size(); ++i) {
     EXPECT_EQ(first->front().points[i].deviations, second->front().points[i].deviations);
+  }
 }
 
 TEST_F(RunTest, ReportsProgress) {
@@ -364,8 +365,9 @@ TEST(CheckpointTest, RefusesDamage) {
   evaluation.x = Eigen::Vector2d(0.1, 2);
   checkpoint.results[0] = evaluation;
   const std::string bytes = Serialize(checkpoint);
-  for (std::size_t size = 1; size < bytes.size(); ++size)
+  for (std::size_t size = 1; size < bytes.size(); ++size) {
     EXPECT_FALSE(ParseCheckpoint(bytes.substr(0, size)).ok()) << size;
+  }
   EXPECT_FALSE(ParseCheckpoint("nonsense").ok());
   EXPECT_TRUE(ParseCheckpoint("").ok());
 }

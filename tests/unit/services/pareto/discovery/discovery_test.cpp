@@ -112,19 +112,23 @@ std::vector<VectorXd> TableFrontOfAGrid() {
   const DesignSpace space = TableSpace();
   std::vector<std::pair<double, double>> all;
   VectorXd u = VectorXd::Zero(6);
-  for (int i = 0; i <= kParts; ++i)
-    for (int j = 0; j <= kParts; ++j)
+  for (int i = 0; i <= kParts; ++i) {
+    for (int j = 0; j <= kParts; ++j) {
       for (int k = 0; k <= kParts; ++k) {
         u.tail(3) << i, j, k;
         const VectorXd metrics =
             Table(space.lower + (u / kParts).cwiseProduct(space.upper - space.lower)).metrics;
         all.emplace_back(metrics[0], metrics[1]);
       }
+    }
+  }
   std::sort(all.begin(), all.end());
   std::vector<VectorXd> front;
-  for (const auto& [mass, deflection] : all)
-    if (front.empty() || deflection < front.back()[1])
+  for (const auto& [mass, deflection] : all) {
+    if (front.empty() || deflection < front.back()[1]) {
       front.push_back(Eigen::Vector2d(mass, deflection));
+    }
+  }
   return front;
 }
 
@@ -170,7 +174,7 @@ class TableTest : public testing::Test {
 
 // What the demo asks for; a finite-element deflection is a little rough.
 TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
-  for (const double roughness : {0.0, 0.01})
+  for (const double roughness : {0.0, 0.01}) {
     for (const std::uint64_t seed : {1, 2, 3, 4}) {
       const Coverage coverage = Cover(150, seed, roughness);
       EXPECT_GT(coverage.share, 0.985) << "seed " << seed << " roughness " << roughness;
@@ -178,6 +182,7 @@ TEST_F(TableTest, SpreadsOverTheTradeOffsIn150Evaluations) {
       EXPECT_GE(coverage.points, roughness > 0 ? 35u : 40u)
           << "seed " << seed << " roughness " << roughness;
     }
+  }
 }
 
 TEST_F(TableTest, ReachesTheFrontWithASurrogateInAThirdOfThem) {
@@ -189,12 +194,13 @@ TEST_F(TableTest, ReachesTheFrontWithASurrogateInAThirdOfThem) {
 }
 
 TEST_F(TableTest, GivesASensibleFrontInAFewEvaluations) {
-  for (const std::int64_t evaluations : {24, 30})
+  for (const std::int64_t evaluations : {24, 30}) {
     for (const std::uint64_t seed : {1, 2, 3, 4}) {
       const Coverage coverage = Cover(evaluations, seed, 0);
       EXPECT_GT(coverage.share, 0.8) << evaluations << " evaluations, seed " << seed;
       EXPECT_GE(coverage.points, 5u) << evaluations << " evaluations, seed " << seed;
     }
+  }
 }
 
 // Kursawe's front has no closed form. 37.3476 is what the non-dominated designs of a grid of 81

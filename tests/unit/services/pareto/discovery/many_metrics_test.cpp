@@ -57,16 +57,18 @@ TEST_P(ManyMetrics, FrontsArePointsThatNothingDominatesByMuch) {
     EXPECT_GE(point.embedding.minCoeff(), 0);
     EXPECT_LE(point.embedding.maxCoeff(), 1);
     EXPECT_GE(point.cell, 0);
-    if (!IsEnd(front, point))
+    if (!IsEnd(front, point)) {
       cells[point.cell].push_back(front.scaling.Apply(point.metrics).norm() -
                                   point.approximation_error);
+    }
     EXPECT_LE(point.approximation_error, 0.01 + 1e-9);
   }
   // One a cell, and further ones only where the front goes on along its rays.
   for (auto& [cell, distances] : cells) {
     std::ranges::sort(distances);
-    for (std::size_t i = 1; i < distances.size(); ++i)
+    for (std::size_t i = 1; i < distances.size(); ++i) {
       EXPECT_GT(distances[i], distances[i - 1] + 0.01);
+    }
   }
   // A quarter of the budget after Rebuild.
   EXPECT_LE(result.summary.cells_covered, 100);
@@ -75,8 +77,9 @@ TEST_P(ManyMetrics, FrontsArePointsThatNothingDominatesByMuch) {
 // Near the axis of the first metric the other angles say nothing.
 TEST(NeighboursOnManyMetrics, AreTheNearestRays) {
   Eigen::MatrixXd embedding = Eigen::MatrixXd::Constant(3, 40, 0.5);
-  for (Eigen::Index i = 0; i < embedding.cols(); ++i)
+  for (Eigen::Index i = 0; i < embedding.cols(); ++i) {
     embedding(0, i) = 0.4 + 0.01 * static_cast<double>(i);
+  }
   embedding.col(7) << 0.01, 0.05, 0.9;
   embedding.col(31) << 0.01, 0.95, 0.1;
   const auto pairs = NeighboursAlong(embedding);

@@ -249,17 +249,19 @@ TEST(RobustnessTest, RefusesBadInput) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(fault([](Robustness&) {}), "");
-  for (const double bad : {0.0, -0.1, nan, std::numeric_limits<double>::infinity()})
+  for (const double bad : {0.0, -0.1, nan, std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(fault([&](Robustness& r) { r.tolerances[1].deviation = bad; }),
               "tolerances[1].deviation");
+  }
   // Three steps are wider than the range.
   EXPECT_EQ(fault([](Robustness& r) { r.tolerances[0].deviation = 0.87; }),
             "tolerances[0].deviation");
   EXPECT_EQ(fault([](Robustness& r) { r.tolerances[0].deviation = 0.86; }), "");
   EXPECT_EQ(fault([](Robustness& r) { r.tolerances[0].parameter = 3; }), "tolerances[0].parameter");
   EXPECT_EQ(fault([](Robustness& r) { r.tolerances[1].parameter = 0; }), "tolerances[1].parameter");
-  for (const double bad : {-1.0, nan, 101.0})
+  for (const double bad : {-1.0, nan, 101.0}) {
     EXPECT_EQ(fault([&](Robustness& r) { r.deviations = bad; }), "deviations");
+  }
   EXPECT_EQ(fault([](Robustness& r) { r.tolerances.clear(); }), "deviations");
 }
 

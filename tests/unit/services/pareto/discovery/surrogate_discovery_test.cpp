@@ -65,8 +65,9 @@ TEST(SurrogateDiscoveryTest, KeepsToConstraints) {
   options.evaluations = 60;
   const auto discovery = Complete(problem, options, Plainly(problem));
   EXPECT_GT(Share(*discovery, problem), 0.93);
-  for (const FrontPoint& point : discovery->front().points)
+  for (const FrontPoint& point : discovery->front().points) {
     EXPECT_LE(point.constraints.maxCoeff(), 0);
+  }
 }
 
 TEST(SurrogateDiscoveryTest, LearnsWhichDesignsFail) {
@@ -91,8 +92,9 @@ TEST(SurrogateDiscoveryTest, IsTheSameInWhateverOrderAnswersCome) {
   const auto one = Complete(problem, options, Plainly(problem), 1);
   const auto six = Complete(problem, options, Plainly(problem), 6);
   ASSERT_EQ(one->archive().size(), six->archive().size());
-  for (std::size_t entry = 0; entry < one->archive().size(); ++entry)
+  for (std::size_t entry = 0; entry < one->archive().size(); ++entry) {
     EXPECT_EQ(one->archive()[entry].u, six->archive()[entry].u);
+  }
   EXPECT_EQ(one->summary().surrogate.median_error, six->summary().surrogate.median_error);
 }
 

@@ -108,8 +108,9 @@ TEST(WarmStartTest, DesignsGivenAreTheFirstBitForBit) {
   ASSERT_EQ(asked.size(), 40u);
   for (Eigen::Index i = 0; i < 4; ++i) EXPECT_EQ(asked[static_cast<std::size_t>(i)], given.col(i));
   // Points of the front are what was evaluated, bit for bit.
-  for (const FrontPoint& point : discovery->front().points)
+  for (const FrontPoint& point : discovery->front().points) {
     EXPECT_NE(std::ranges::find(asked, point.x), asked.end());
+  }
 }
 
 TEST(WarmStartTest, FindsAMovedFrontSoon) {

@@ -21,8 +21,9 @@ FrontPicture RandomFront(Eigen::Index d, Eigen::Index D, int count, int pieces) 
   Random random(static_cast<std::uint64_t>(d * 100 + D));
   FrontPicture front;
   front.title = "Trade-offs of templates/table";
-  for (Eigen::Index i = 0; i < D; ++i)
+  for (Eigen::Index i = 0; i < D; ++i) {
     front.parameter_names.push_back(absl::StrCat("thickness_of_the_table_top_", i));
+  }
   for (Eigen::Index m = 0; m < d; ++m) {
     front.metric_names.push_back(absl::StrCat("max_displacement_of_leg_", m));
     front.metric_units.push_back(m == 0 ? "" : "m");
@@ -49,8 +50,9 @@ std::map<int, int> PointsOfPanels(const Drawing& drawing) {
   std::map<int, int> points;
   for (const auto& mark : drawing.marks()) {
     const auto* const disc = std::get_if<Drawing::Disc>(&mark);
-    if (disc != nullptr && disc->centre.y() < drawing.height() - 40)
+    if (disc != nullptr && disc->centre.y() < drawing.height() - 40) {
       ++points[static_cast<int>(3 * disc->centre.x() / drawing.width())];
+    }
   }
   return points;
 }
@@ -119,8 +121,9 @@ TEST(FrontPicture, MakesDesignsThatJumpDark) {
 TEST(FrontPicture, WritesTheEndsOfNarrowRangesApart) {
   for (const Eigen::Index d : {2, 3, 4}) {
     FrontPicture front = RandomFront(d, 4, 60, 1);
-    for (Eigen::Index m = 0; m < d; ++m)
+    for (Eigen::Index m = 0; m < d; ++m) {
       front.metrics.row(m) = (293.4 + 1e-6 * front.metrics.row(m).array()).eval();
+    }
     const Drawing drawing = DrawFront(front);
     Eigen::Index numbers = 0;
     for (const Drawing::Text& text : drawing.texts()) {

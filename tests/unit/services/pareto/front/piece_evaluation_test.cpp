@@ -68,10 +68,11 @@ Front FrontOf(const DesignSpace& space, const std::vector<VectorXd>& designs,
               const std::function<Evaluation(const VectorXd&)>& evaluate) {
   Front front;
   front.scaling = {Vector2d::Zero(), Vector2d::Ones()};
-  for (const VectorXd& x : designs)
+  for (const VectorXd& x : designs) {
     front.points.push_back({.x = x,
                             .metrics = evaluate(x).metrics,
                             .embedding = VectorXd::Constant(1, 1 - space.ToUnit(x)[0])});
+  }
   std::ranges::reverse(front.points);
   front.pieces.push_back({designs.front(), directions, static_cast<int>(designs.size())});
   return front;
@@ -112,8 +113,9 @@ TEST(PieceEvaluation, GoesStraightBetweenPointsOnNoSubspace) {
                               Eigen::MatrixXd(2, 0), Slope);
   const PieceEvaluation pieces = EvaluatePieces(space, front, Slope, {.spacing = 0.01});
   EXPECT_GT(pieces.evaluations, 50);
-  for (const VectorXd& metrics : pieces.metrics)
+  for (const VectorXd& metrics : pieces.metrics) {
     EXPECT_NEAR(metrics[1], 1 - metrics[0] + 0.1 - 0.2 * std::abs(metrics[0] - 0.5), 1e-12);
+  }
 }
 
 TEST(PieceEvaluation, LeavesOutWhatFailsOrViolatesConstraints) {

@@ -38,9 +38,10 @@ TEST(ConstrainedQuadraticTest, KeepsToBoundsAndConstraintsAndNeverGetsWorse) {
     const VectorXd lower = VectorXd::Constant(n, -0.3), upper = VectorXd::Constant(n, 0.2);
     const QuadraticFunction objective{1, random.UnitVector(n), RandomSymmetric(n, random)};
     std::vector<QuadraticFunction> constraints;
-    for (std::size_t j = random.Index(4); j > 0; --j)
+    for (std::size_t j = random.Index(4); j > 0; --j) {
       constraints.push_back(
           {-0.1 * random.Uniform(), random.UnitVector(n), RandomSymmetric(n, random)});
+    }
     const VectorXd p = MinimizeWithin(objective, constraints, lower, upper);
     EXPECT_TRUE((p.array() >= lower.array()).all() && (p.array() <= upper.array()).all());
     EXPECT_EQ(Violation(constraints, p), 0) << round;
@@ -84,9 +85,10 @@ TEST(ConstrainedQuadraticTest, ReducesRandomViolations) {
     const Eigen::Index n = 1 + static_cast<Eigen::Index>(random.Index(10));
     const VectorXd lower = VectorXd::Constant(n, -0.4), upper = VectorXd::Constant(n, 0.4);
     std::vector<QuadraticFunction> constraints;
-    for (std::size_t j = 1 + random.Index(3); j > 0; --j)
+    for (std::size_t j = 1 + random.Index(3); j > 0; --j) {
       constraints.push_back(
           {random.Uniform() - 0.3, random.UnitVector(n), 0.5 * RandomSymmetric(n, random)});
+    }
     const double before = Violation(constraints, VectorXd::Zero(n));
     const VectorXd p = ReduceViolation(constraints, lower, upper);
     EXPECT_TRUE((p.array() >= lower.array()).all() && (p.array() <= upper.array()).all());

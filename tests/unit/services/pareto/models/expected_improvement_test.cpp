@@ -19,8 +19,9 @@ std::vector<VectorXd> RoundFront(Index d, int count, std::uint64_t seed) {
   Random random(seed);
   std::vector<VectorXd> front;
   // On a sphere around (1, ..., 1), bent like a front, and one point that others dominate.
-  for (int k = 0; k < count; ++k)
+  for (int k = 0; k < count; ++k) {
     front.push_back(VectorXd::Ones(d) - random.UnitVector(d).cwiseAbs());
+  }
   front.push_back(VectorXd::Constant(d, 0.95));
   return front;
 }
@@ -69,9 +70,10 @@ TEST(ExpectedImprovementTest, OverAnEmptyFrontIsAProduct) {
     const VectorXd means = VectorXd::LinSpaced(d, 0.2, 0.9);
     const VectorXd deviations = VectorXd::LinSpaced(d, 0.3, 0.1);
     double product = 1;
-    for (Index k = 0; k < d; ++k)
+    for (Index k = 0; k < d; ++k) {
       product *= ExpectedHypervolumeImprovement({}, VectorXd::Ones(1))
                      .Expected(means.segment(k, 1), deviations.segment(k, 1));
+    }
     EXPECT_NEAR(ExpectedHypervolumeImprovement({}, VectorXd::Ones(d)).Expected(means, deviations),
                 product, 1e-14);
   }

@@ -15,8 +15,9 @@ v1::DiscoverySpecification Specification() {
   v1::DiscoverySpecification specification;
   specification.set_subject("templates/table");
   specification.set_revision(3);
-  for (const char* metric : {"mass", "compliance"})
+  for (const char* metric : {"mass", "compliance"}) {
     specification.add_objectives()->set_metric(metric);
+  }
   specification.add_bounds()->set_parameter("length");
   specification.set_evaluations(200);
   specification.mutable_mesh()->set_element_size(0.02);

@@ -124,8 +124,9 @@ TEST(DiscoveryConstraintsTest, LimitsThatAreMetByChanceOnlyAreRefusedWithTheLeas
   EXPECT_THAT(narrow, AllOf(HasSubstr("2.5000001 "), HasSubstr("minimum 2.5 "),
                             HasSubstr("at least 2.5e-06")));
   for (const auto& [minimum, maximum] : std::vector<std::pair<double, double>>{
-           {2.5, 2.5}, {-1, -1}, {0, 1e-12}, {-1e-9, 1e-9}, {2.5, 2.50001}})
+           {2.5, 2.5}, {-1, -1}, {0, 1e-12}, {-1e-9, 1e-9}, {2.5, 2.50001}}) {
     EXPECT_TRUE(CheckConstraints(Limited(minimum, maximum)).ok()) << minimum;
+  }
   EXPECT_TRUE(CheckConstraints(Limited(0, {})).ok());
 }
 

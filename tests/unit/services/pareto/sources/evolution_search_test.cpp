@@ -75,8 +75,9 @@ TEST(EvolutionSearch, AddsToTheFrontOnceTheFirstSearchIsOver) {
   EvolutionSearch search(2);
   const auto dominated = [&] {
     std::vector<VectorXd> points;
-    for (const std::size_t entry : archive.non_dominated())
+    for (const std::size_t entry : archive.non_dominated()) {
       points.push_back(archive[entry].metrics);
+    }
     return Hypervolume(points, Vector2d(1.5, 1.5));
   };
   while (search.Promise() > 0) Advance(archive, search, 20);

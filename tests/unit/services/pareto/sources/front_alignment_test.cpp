@@ -42,23 +42,26 @@ TEST(FrontAlignment, FindsTheDirectionOfAFrontAlongTurnedParameters) {
 
 TEST(FrontAlignment, HasNoDirectionWhereDesignsAreTheSame) {
   Archive archive;
-  for (const double f : {0.1, 0.4, 0.6, 0.9})
+  for (const double f : {0.1, 0.4, 0.6, 0.9}) {
     archive.Add({Vector3d::Constant(0.5), true, Vector2d(f, 1 - f), {}, {}});
+  }
   EXPECT_EQ(FrontTrend(archive, kUnscaled).Directions(0.1).cols(), 0);
 }
 
 TEST(FrontAlignment, BringsOtherTradeOffsToTheFrontThatOneHasReached) {
   Archive archive = OneOnTheFront();
   Random random(3);
-  for (int round = 0; round < 10; ++round)
+  for (int round = 0; round < 10; ++round) {
     for (const VectorXd& u : AlignedDesigns(archive, kUnscaled, 8, random)) {
       EXPECT_GE(u.minCoeff(), 0);
       EXPECT_LE(u.maxCoeff(), 1);
       EXPECT_NEAR(u[0], u[1], 1e-9);
       archive.Add(PlacedAt(u[0], u[2]));
     }
-  for (const std::size_t entry : archive.non_dominated())
+  }
+  for (const std::size_t entry : archive.non_dominated()) {
     EXPECT_NEAR(archive[entry].u[2], 0.3, 1e-9);
+  }
   EXPECT_GT(archive.non_dominated().size(), 20u);
 }
 
@@ -75,8 +78,9 @@ TEST(FrontAlignment, NeedsSomeTradeOffsOfTwoMetrics) {
   few.Add(PlacedAt(0.7, 0.3));
   Random random(1);
   EXPECT_TRUE(AlignedDesigns(few, kUnscaled, 4, random).empty());
-  for (const double u : {0.1, 0.2, 0.3})
+  for (const double u : {0.1, 0.2, 0.3}) {
     single.Add({VectorXd::Constant(1, u), true, VectorXd::Ones(1), {}, {}});
+  }
   EXPECT_TRUE(AlignedDesigns(single, {VectorXd::Zero(1), VectorXd::Ones(1)}, 4, random).empty());
 }
 

@@ -46,8 +46,9 @@ TEST(FrontBridging, FillsTheFront) {
   FrontBridging bridging;
   Random random(1);
   for (int round = 0; round < 30; ++round) {
-    for (const Bridge& bridge : bridging.Next(archive, kScaling, 8, random))
+    for (const Bridge& bridge : bridging.Next(archive, kScaling, 8, random)) {
       archive.Add(EntryAt(bridge.u[0], bridge.u[1]));
+    }
   }
   double widest = 0, last = 0;
   std::vector<double> along = {1};

@@ -86,8 +86,9 @@ TEST(FrontFinishing, PolishesEverythingOnceThatHasShownToPay) {
   EXPECT_LE(polished, left);
   // What none dominates is on the front now, nearly all of it.
   int on_front = 0;
-  for (const std::size_t entry : archive.non_dominated())
+  for (const std::size_t entry : archive.non_dominated()) {
     on_front += std::abs(archive[entry].u[1] - 0.5) < 2e-3 ? 1 : 0;
+  }
   EXPECT_GT(on_front, 0.8 * static_cast<double>(archive.non_dominated().size()));
 }
 

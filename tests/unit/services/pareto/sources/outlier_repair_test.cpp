@@ -22,8 +22,9 @@ const Scaling kUnitScaling{VectorXd::Zero(2), VectorXd::Ones(2)};
 
 TEST(OutlierRepair, PutsTheOddOnesBackIntoLineTheFurthestFirst) {
   Archive archive;
-  for (int i = 0; i <= 40; ++i)
+  for (int i = 0; i <= 40; ++i) {
     archive.Add(EntryOnCircle(i / 40.0, i == 0 ? 0.1 : i == 17 ? 0.3 : i == 18 ? 0.2 : 0));
+  }
   ASSERT_EQ(archive.non_dominated().size(), 41u) << "nothing dominates the odd ones";
   const std::vector<VectorXd> repaired = RepairedOutliers(archive, kUnitScaling, 10);
   ASSERT_EQ(repaired.size(), 3u);

@@ -74,8 +74,9 @@ TEST(ParameterLines, LeavesOutWhatFailsOrIsThereTwice) {
 
 TEST(TradingParameters, AreThoseThatMakeOneMetricBetterAndAnotherWorse) {
   Archive archive;
-  for (Eigen::Index i = 0; i < 3; ++i)
+  for (Eigen::Index i = 0; i < 3; ++i) {
     AddLine(archive, Eigen::Vector3d(0.31, 0.62, 0.13), i, 5, Trading);
+  }
   const std::vector<ParameterLine> lines = ParameterLines(archive);
   EXPECT_EQ(TradingParameters(archive, lines, kLineScaling, 0.1), std::vector<Eigen::Index>{0});
   EXPECT_TRUE(TradingParameters(archive, lines, kLineScaling, 1.5).empty());
@@ -86,8 +87,9 @@ TEST(TradingParameters, ComeStrongestFirst) {
     return Eigen::Vector3d(u[0] + 0.3 * u[1], 1 - u[0] + 0.2 * u[2], 1 - 0.3 * u[1] - 0.2 * u[2]);
   };
   Archive archive;
-  for (Eigen::Index i = 0; i < 3; ++i)
+  for (Eigen::Index i = 0; i < 3; ++i) {
     AddLine(archive, Eigen::Vector3d(0.31, 0.62, 0.13), i, 5, metrics);
+  }
   const Scaling scaling{VectorXd::Zero(3), VectorXd::Ones(3)};
   EXPECT_EQ(TradingParameters(archive, ParameterLines(archive), scaling, 0.1),
             (std::vector<Eigen::Index>{0, 1, 2}));
@@ -124,8 +126,9 @@ TEST(RelativeLengths, AreAllTheSameForSmoothMetricsAndWithoutLines) {
   archive.Add(
       {Eigen::Vector3d(0.1, 0.2, 0.3), true, metrics(Eigen::Vector3d(0.1, 0.2, 0.3)), {}, {}});
   EXPECT_EQ(RelativeLengths(archive, {}, kLineScaling), VectorXd::Ones(3));
-  for (Eigen::Index i = 0; i < 3; ++i)
+  for (Eigen::Index i = 0; i < 3; ++i) {
     AddLine(archive, Eigen::Vector3d(0.31, 0.62, 0.13), i, 8, metrics);
+  }
   EXPECT_EQ(RelativeLengths(archive, ParameterLines(archive), kLineScaling), VectorXd::Ones(3));
 }
 

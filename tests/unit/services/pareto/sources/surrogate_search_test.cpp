@@ -77,8 +77,9 @@ TEST(SurrogateModelTest, BelievesMetricsAsTheyAre) {
   const VectorXd learnt = model.learnt().Of(Metrics(u));
   const SurrogateModel::Belief belief = model.At(u);
   ASSERT_EQ(belief.metrics.size(), 2u);
-  for (std::size_t k = 0; k < 2; ++k)
+  for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_NEAR(belief.metrics[k].mean, learnt[static_cast<Index>(k)], 0.05);
+  }
   EXPECT_EQ(belief.log_feasibility, 0);
 }
 
@@ -145,8 +146,9 @@ TEST(SurrogateSearchTest, ProposesDesignsOfTheFront) {
   int on_front = 0;
   for (std::size_t entry = 12; entry < archive.size(); ++entry) {
     const VectorXd& u = archive[entry].u;
-    if ((u.array() - u.mean()).abs().maxCoeff() < 0.05 && u.mean() > 0.2 && u.mean() < 0.8)
+    if ((u.array() - u.mean()).abs().maxCoeff() < 0.05 && u.mean() > 0.2 && u.mean() < 0.8) {
       ++on_front;
+    }
   }
   EXPECT_GE(on_front, 10);  // half of them
   const SurrogateQuality quality = search.quality();
@@ -162,8 +164,9 @@ TEST(SurrogateSearchTest, LeavesAloneWhatFails) {
   SurrogateSearch search({}, UnitBox(2), 1);
   const Archive archive = Searched(Sampled(2, 16, failing), 2, 20, failing, search);
   int failed = 0;
-  for (std::size_t entry = 16; entry < archive.size(); ++entry)
+  for (std::size_t entry = 16; entry < archive.size(); ++entry) {
     if (!archive[entry].evaluated) ++failed;
+  }
   EXPECT_LE(failed, 7);  // of random ones 8
   EXPECT_EQ(search.quality().predictions, 2 * (20 - failed));
 }
