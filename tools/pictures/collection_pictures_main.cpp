@@ -109,7 +109,7 @@ absl::Status AddRandomDesigns(const templates::Template& function, const Request
     const auto design = function.Evaluate(q);
     spent += std::chrono::steady_clock::now() - began;
     if (!design.ok()) {
-      if (refusal.empty()) refusal = design.status().message();
+      if (refusal.empty()) refusal = std::string(design.status().message());
       continue;
     }
     ++made;
