@@ -105,9 +105,9 @@ TEST(FilterOptions, LabelsWithoutAKeyOrAValueAreRefused) {
 TEST(FilterOptions, FieldsOfServicesAreFlags) {
   CLI::App app;
   FilterOptions options;
-  CommandFlags flags(app);
-  AddFilterOptions(flags, options);
-  const FieldSources sources = flags.Sources();
+  CommandFlags declared(app);
+  AddFilterOptions(declared, options);
+  const FieldSources sources = declared.Sources();
   const std::pair<const char*, const char*> flags[] = {{"filter.external_id", "--external-id"},
                                                        {"filter.labels", "--label"},
                                                        {"filter.creator", "--creator"},
