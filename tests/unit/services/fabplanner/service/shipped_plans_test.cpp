@@ -34,13 +34,17 @@ struct Shipped {
   std::shared_ptr<const templates::Template> compiled;
 };
 
+// As the catalog offers them: an assembly by itself where no template of its name ships.
 std::vector<std::string> NamesOfAll() {
   std::vector<std::string> names;
   for (const v1::Template& message : templates::ShippedCollection().templates) {
     names.push_back(message.name());
   }
   for (const v1::Assembly& message : templates::ShippedCollection().assemblies) {
-    names.push_back(message.name());
+    const std::string exposed = "templates" + message.name().substr(message.name().find('/'));
+    if (std::find(names.begin(), names.end(), exposed) == names.end()) {
+      names.push_back(message.name());
+    }
   }
   return names;
 }
