@@ -9,10 +9,10 @@
 #include "common/base/errors.h"
 #include "common/cad/stretch/solid_shape.h"
 #include "common/cad/surface/assembly_surface.h"
+#include "common/design/costs/design_cost.h"
 #include "common/design/part_shapes.h"
 #include "common/mesh/measures/inside_point.h"
 #include "services/simulator/worker/design_conditions.h"
-#include "services/simulator/worker/design_cost.h"
 
 namespace mortise::simulator {
 namespace {

@@ -1,5 +1,5 @@
 // What designs cost by the prices of their items.
-#include "services/simulator/worker/design_cost.h"
+#include "common/design/costs/design_cost.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,8 @@
 #include "common/templates/template_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
-namespace mortise::simulator {
+namespace mortise::parametric {
 namespace {
-
-using parametric::EvaluatedDesign;
-using parametric::EvaluatedPart;
-using parametric::Item;
-using parametric::PriceBasis;
-using parametric::Process;
 
 Item MakeItem(const std::string& name, const std::string& currency, double price) {
   Item item;
@@ -100,11 +94,42 @@ TEST(DesignCost, RefusesMixedCurrencies) {
   EXPECT_EQ(CurrencyOf({Board(), MakeItem("items/free", "", 0)}), "EUR");
 }
 
+TEST(DesignNeeds, AreSharesOfPiecesByItem) {
+  Item sheet = MakeItem("items/sheet", "", 0);
+  sheet.dimensions[0] = {.size = 2.5, .process = Process::kJigsaw, .minimum = 0.05, .maximum = 2.5};
+  sheet.dimensions[1] = {
+      .size = 1.25, .process = Process::kJigsaw, .minimum = 0.05, .maximum = 1.25};
+  EvaluatedDesign design;
+  design.parts = {Part("items/sheet", {0.5, 0.25, 0.018}), Part("items/board", {0.6, 0.095, 0.027}),
+                  Part("items/screw", {0.04, 0.004, 0.004}),
+                  Part("items/board", {1.2, 0.095, 0.027}),
+                  Part("items/screw", {0.04, 0.004, 0.004})};
+  design.connectors.emplace_back();
+  design.connectors.back().item = "items/screw";
+  const auto needs = NeedsOf(design, {Board(), MakeItem("items/screw", "", 0), sheet});
+  ASSERT_TRUE(needs.ok()) << needs.status();
+  ASSERT_EQ(needs->size(), 3u);
+  EXPECT_EQ((*needs)[0].item, "items/board");
+  EXPECT_NEAR((*needs)[0].pieces, (0.6 + 1.2) / 2.4, 1e-12);
+  EXPECT_EQ((*needs)[1].item, "items/screw");
+  EXPECT_EQ((*needs)[1].pieces, 3);
+  EXPECT_EQ((*needs)[2].item, "items/sheet");
+  EXPECT_NEAR((*needs)[2].pieces, 0.2 * 0.2, 1e-12);
+}
+
+TEST(DesignNeeds, AreNotKnownOfPartsWithoutAnItem) {
+  EvaluatedDesign design;
+  design.parts = {Part("items/board", {0.6, 0.095, 0.027}), Part("", {1, 1, 1})};
+  const absl::Status status = NeedsOf(design, {Board()}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(DetailOf(status).reason, "NO_ITEM");
+}
+
 // A longer table takes more wood.
 TEST(DesignCost, OfTheShippedTable) {
   const auto table = templates::Compile(templates::ShippedTemplate("templates/table"));
   ASSERT_TRUE(table.ok()) << table.status();
-  Eigen::VectorXd q = parametric::Defaults((*table)->parameters());
+  Eigen::VectorXd q = Defaults((*table)->parameters());
   double previous = 0;
   for (const double length : {1.2, 1.6, 2.0}) {
     q(0) = length;
@@ -118,4 +143,4 @@ TEST(DesignCost, OfTheShippedTable) {
 }
 
 }  // namespace
-}  // namespace mortise::simulator
+}  // namespace mortise::parametric
