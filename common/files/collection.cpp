@@ -2,6 +2,7 @@
 #include "common/files/collection.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "absl/strings/numbers.h"
@@ -120,6 +121,41 @@ absl::StatusOr<Version> ReadVersion(const fs::path& file) {
 }
 
 template <typename Messages>
+void LabelAll(const std::map<std::string, std::string>& categories, Messages* messages) {
+  for (auto& message : *messages) {
+    const auto category = categories.find(message.name());
+    if (category != categories.end()) {
+      (*message.mutable_labels())["category"] = category->second;
+    }
+  }
+}
+
+// Gives templates and assemblies the categories of a file. What the collection does not have, as a
+// part of one, is passed over.
+absl::Status LabelCategories(const fs::path& file, Collection& collection) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+  CsvTable table = ParseCsv(text);
+  std::vector<FieldViolation>& findings = table.findings;
+  std::map<std::string, std::string> categories;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const CsvRow& row = table.rows[i];
+    if (row.size() != 2 || (i == 0 && (row[0].text != "name" || row[1].text != "category"))) {
+      findings.push_back({PlaceOf(row[0]), "must be a table of 'name' and 'category'"});
+      break;
+    }
+    if (i > 0 && !categories.emplace(row[0].text, row[1].text).second) {
+      findings.push_back({PlaceOf(row[0]), "has a category already"});
+    }
+  }
+  for (FieldViolation& finding : findings)
+    finding.field = absl::StrCat(file.string(), ": ", finding.field);
+  MORTISE_RETURN_IF_ERROR(ToStatus(findings));
+  LabelAll(categories, &collection.templates);
+  LabelAll(categories, &collection.assemblies);
+  return absl::OkStatus();
+}
+
+template <typename Messages>
 void AddDigests(const Messages& messages, std::vector<std::string>& digests) {
   for (const auto& message : messages) {
     digests.push_back(absl::StrCat(message.name(), " ", Sha256Hex(message.SerializeAsString())));
@@ -191,6 +227,10 @@ absl::StatusOr<Collection> ReadCollection(const fs::path& folder) {
     collection.assemblies.push_back(std::move(message));
   }
   collection.shapes = shapes.Take();
+  const fs::path categories = folder / "categories.csv";
+  if (fs::exists(categories, error)) {
+    MORTISE_RETURN_IF_ERROR(LabelCategories(categories, collection));
+  }
   const fs::path versions = folder / "versions.csv";
   if (fs::exists(versions, error)) {
     MORTISE_ASSIGN_OR_RETURN(const Version version, ReadVersion(versions));

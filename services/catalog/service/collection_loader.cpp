@@ -69,6 +69,7 @@ v1::Template TemplateOf(const v1::Assembly& assembly) {
   v1::Template message;
   message.set_name("templates" + assembly.name().substr(assembly.name().find('/')));
   message.mutable_assembly()->set_assembly(assembly.name());
+  *message.mutable_labels() = assembly.labels();
   return message;
 }
 

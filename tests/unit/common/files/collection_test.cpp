@@ -47,6 +47,33 @@ TEST(ShippedCollection, HasANumberForItsContent) {
       << ContentDigest(*collection);
 }
 
+TEST(ShippedCollection, HasACategoryOfEachTemplate) {
+  const char* source = std::getenv("MORTISE_SOURCE_DIR");
+  const auto collection =
+      ReadCollection(std::filesystem::path(source == nullptr ? "." : source) / "collection");
+  ASSERT_TRUE(collection.ok()) << collection.status();
+  for (const v1::Template& each : collection->templates) {
+    EXPECT_EQ(each.labels().count("category"), 1u) << each.name();
+  }
+  for (const v1::Assembly& each : collection->assemblies) {
+    EXPECT_EQ(each.labels().count("category"), 1u) << each.name();
+  }
+}
+
+TEST_F(CollectionNumberTest, RefusesCategoriesThatAreNoTable) {
+  const auto status_of = [this](const std::string& text) {
+    EXPECT_TRUE(WriteFile(folder_.path() / "categories.csv", text).ok());
+    return ReadCollection(folder_.path()).status();
+  };
+  EXPECT_TRUE(status_of("name,category\ntemplates/none,chair\n").ok());
+  for (const char* wrong : {"template,category\ntemplates/none,chair\n",
+                            "name,category\ntemplates/none,chair\ntemplates/none,table\n"}) {
+    const absl::Status status = status_of(wrong);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << wrong;
+    EXPECT_NE(status.message().find("categories.csv: line"), std::string::npos) << status;
+  }
+}
+
 TEST_F(CollectionNumberTest, HaveTheNumberOfTheirContent) {
   WriteMaterials("materials.textproto", oak_);
   EXPECT_EQ(Read().number, 0);
