@@ -3,6 +3,7 @@
 // Whoever changes a struct here changes the file's format: raise kIndexVersion in index_file.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,7 +32,18 @@ struct PrimitiveEntry {
   std::int32_t family = 0;  // a place in IndexArrays::families
   std::int32_t number = 0;  // its place in the family's cover
   std::int32_t structure = 0;
-  std::int32_t unused = 0;  // 0
+  // A place in IndexArrays::primitives: the first of its group, which are those of a leaf that
+  // follow each other and are nearly the same but for where their centres are.
+  std::int32_t representative = 0;
+};
+
+// How far a primitive's centre lies from that of the first of its group.
+struct DriftEntry {
+  std::array<float, 16> leading = {};  // along the first components, 0 where there are fewer
+  float rest = 0;                      // length of what is beside these
+  float misfit = 0;  // how far the primitive, moved there, reaches out of the first one's box
+  float reach = 0;   // of the first of a group: no other's place is further from its box
+  float unused = 0;  // 0
 };
 
 // A node of the tree: primitives first … last - 1, and its two children; a leaf has none (-1).
@@ -58,9 +70,10 @@ struct IndexArrays {
   std::span<const double> places;  // (d + 2) a primitive: its centre's place, its largest radius
   // (d + 1) an axis, in the order of radii: its part along the components, the length of the rest.
   std::span<const double> leading_axes;
-  std::span<const NodeEntry> nodes;  // the first is the root; children come after their parents
-  std::span<const double> balls;     // (d + 2) a node: centre and radius of a ball around all
-  std::span<const double> boxes;     // 2 (d + 1) a node: lower corner, upper corner
+  std::span<const DriftEntry> drifts;  // of each primitive
+  std::span<const NodeEntry> nodes;    // the first is the root; children come after their parents
+  std::span<const double> balls;       // (d + 2) a node: centre and radius of a ball around all
+  std::span<const double> boxes;       // 2 (d + 1) a node: lower corner, upper corner
 };
 
 // Arrays in memory of their own.
@@ -71,12 +84,13 @@ struct OwnedArrays {
   std::vector<PrimitiveEntry> primitives;
   std::vector<float> vectors;
   std::vector<double> radii, parameters, places, leading_axes;
+  std::vector<DriftEntry> drifts;
   std::vector<NodeEntry> nodes;
   std::vector<double> balls, boxes;
 
   IndexArrays View() const {
     return {sizes,      mean,   components,   families, primitives, vectors, radii,
-            parameters, places, leading_axes, nodes,    balls,      boxes};
+            parameters, places, leading_axes, drifts,   nodes,      balls,   boxes};
   }
 };
 

@@ -19,9 +19,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kMostLeading = 16;          // d
+constexpr Index kMostLeading = 64;          // d
 constexpr Index kMostForCovariance = 4096;  // centres, evenly spread over the collection
-constexpr int kLeafSize = 8;
+constexpr int kLeafSize = 16;
+constexpr int kGroupSize = 256;      // of a leaf that is one group
+constexpr double kMostMisfit = 0.1;  // within a group, of the largest radius
+constexpr double kMostDrift = 0.25;  // within a group, of the collection's extent
 constexpr double kSlack = 1e-6;  // of a bound's radius and place: axes of floats are not quite unit
 
 std::string Named(const FamilyCover& cover, std::size_t primitive) {
@@ -69,7 +72,33 @@ struct Item {
   VectorXd place = {};      // d + 1: the centre's
   VectorXd half_size = {};  // d + 1: of a box around it
   double radius = 0;
+  std::int32_t representative = 0;
+  DriftEntry drift = {};
 };
+
+// How far `moved`, which has as many axes, reaches out of the box around `first` with its centre on
+// that one's.
+double MisfitOf(const Primitive& first, const Primitive& moved) {
+  double misfit = 0;
+  for (Index i = 0; i < first.axes.cols(); ++i) {
+    const double sign = first.axes.col(i).dot(moved.axes.col(i)) < 0 ? -1 : 1;
+    misfit += moved.radii[i] * (moved.axes.col(i) - sign * first.axes.col(i)).norm() +
+              std::max(0.0, moved.radii[i] - first.radii[i]);
+  }
+  return misfit;
+}
+
+// Whether a primitive is so much like `first` that they are of one group, but for where it is.
+bool HasShapeOf(const Primitive& first, const Primitive& other) {
+  if (first.axes.cols() != other.axes.cols()) return false;
+  double misfit = 0;
+  for (Index i = 0; i < first.axes.cols(); ++i) {
+    const double turned = 2 - 2 * std::abs(first.axes.col(i).dot(other.axes.col(i)));
+    misfit += other.radii[i] * std::sqrt(std::max(0.0, turned)) +
+              std::max(0.0, other.radii[i] - first.radii[i]);
+  }
+  return misfit <= kMostMisfit * LargestRadius(first);
+}
 
 class Builder {
  public:
@@ -103,6 +132,7 @@ class Builder {
       centers.col(i) = items_[static_cast<std::size_t>(i * total / used)].primitive->center;
     mean_ = centers.rowwise().mean();
     centers.colwise() -= mean_;
+    extent_ = std::sqrt(centers.squaredNorm() / static_cast<double>(used));
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(centers * centers.transpose());
     components_ = solver.eigenvectors().rightCols(std::min(size, kMostLeading)).rowwise().reverse();
     arrays_.mean.assign(mean_.begin(), mean_.end());
@@ -132,10 +162,11 @@ class Builder {
       node.family = family;
     arrays_.nodes.push_back(node);
     AddBounds(first, last);
-    if (last - first <= kLeafSize) {
+    if (last - first <= kLeafSize || IsOneGroup(first, last)) {
       std::sort(begin, end, [](const Item& a, const Item& b) {
         return std::pair(a.family, a.number) < std::pair(b.family, b.number);
       });
+      for (std::int32_t group = first; group < last;) group = Group(group, last);
       return number;
     }
     const std::int32_t middle = Halve(first, last);
@@ -146,8 +177,66 @@ class Builder {
     return number;
   }
 
-  // Puts the smaller half first, by the coordinate with the largest spread; sizes count as one, so
-  // that large ellipsoids do not widen the bounds of small ones.
+  // Whether an item is nearly the same as the first of a group, and near it.
+  bool BelongsTo(const Item& seed, const Item& item) const {
+    return (item.place - seed.place).norm() <= kMostDrift * extent_ &&
+           HasShapeOf(*seed.primitive, *item.primitive);
+  }
+
+  bool IsOneGroup(std::int32_t first, std::int32_t last) const {
+    return last - first <= kGroupSize &&
+           std::all_of(items_.begin() + first, items_.begin() + last, [&](const Item& item) {
+             return BelongsTo(items_[static_cast<std::size_t>(first)], item);
+           });
+  }
+
+  // Makes a group of the item `first` and those up to `last` that are nearly the same; returns its
+  // end.
+  std::int32_t Group(std::int32_t first, std::int32_t last) {
+    const auto begin = items_.begin() + first;
+    const Item seed = *begin;
+    const auto end = std::stable_partition(begin, items_.begin() + last,
+                                           [&](const Item& item) { return BelongsTo(seed, item); });
+    // From the middle of all, the others are the nearest.
+    VectorXd middle = VectorXd::Zero(begin->place.size());
+    for (auto item = begin; item != end; ++item) middle += item->place;
+    middle /= static_cast<double>(end - begin);
+    std::rotate(begin,
+                std::min_element(begin, end,
+                                 [&](const Item& a, const Item& b) {
+                                   return (a.place - middle).squaredNorm() <
+                                          (b.place - middle).squaredNorm();
+                                 }),
+                end);
+    for (auto item = begin; item != end; ++item) {
+      item->representative = first;
+      item->drift = DriftFrom(*begin, *item);
+      const double reach =
+          (1 + kSlack) * (item->primitive->center - begin->primitive->center).norm() +
+          static_cast<double>(item->drift.misfit);
+      begin->drift.reach = std::max(begin->drift.reach, static_cast<float>((1 + kSlack) * reach));
+    }
+    return static_cast<std::int32_t>(end - items_.begin());
+  }
+
+  static DriftEntry DriftFrom(const Item& first, const Item& item) {
+    DriftEntry drift;
+    const VectorXd offset = item.primitive->center - first.primitive->center;
+    const Index used =
+        std::min<Index>(item.place.size() - 1, static_cast<Index>(drift.leading.size()));
+    const VectorXd leading = (item.place - first.place).head(used);
+    for (Index i = 0; i < used; ++i)
+      drift.leading[static_cast<std::size_t>(i)] = static_cast<float>(leading[i]);
+    const double rest = offset.squaredNorm() - leading.squaredNorm();
+    drift.rest = static_cast<float>(std::sqrt(std::max(0.0, rest)) + kSlack * offset.norm());
+    const double misfit = MisfitOf(*first.primitive, *item.primitive);
+    drift.misfit = static_cast<float>((1 + kSlack) * misfit + kSlack * item.radius);
+    return drift;
+  }
+
+  // Puts those with smaller coordinates first, by the coordinate with the largest spread, and
+  // divides where there is the widest gap in the middle half; sizes count as a coordinate, so that
+  // large ellipsoids do not widen the bounds of small ones.
   std::int32_t Halve(std::int32_t first, std::int32_t last) {
     const Index size = items_.front().place.size();
     VectorXd sum = VectorXd::Zero(size + 1), squares = sum;
@@ -158,13 +247,18 @@ class Builder {
     }
     Index widest = 0;
     (squares - sum.cwiseAbs2() / (last - first)).maxCoeff(&widest);
-    const std::int32_t middle = first + (last - first) / 2;
-    std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
-                     [&](const Item& a, const Item& b) {
-                       const double left = KeyOf(a, widest), right = KeyOf(b, widest);
-                       return std::tie(left, a.family, a.number) <
-                              std::tie(right, b.family, b.number);
-                     });
+    std::sort(items_.begin() + first, items_.begin() + last, [&](const Item& a, const Item& b) {
+      const double left = KeyOf(a, widest), right = KeyOf(b, widest);
+      return std::tie(left, a.family, a.number) < std::tie(right, b.family, b.number);
+    });
+    const std::int32_t quarter = (last - first) / 4;
+    std::int32_t middle = first + (last - first) / 2;
+    const auto gap_before = [&](std::int32_t i) {
+      return KeyOf(items_[static_cast<std::size_t>(i)], widest) -
+             KeyOf(items_[static_cast<std::size_t>(i - 1)], widest);
+    };
+    for (std::int32_t i = first + quarter; i < last - quarter; ++i)
+      if (gap_before(i) > gap_before(middle)) middle = i;
     return middle;
   }
 
@@ -213,7 +307,9 @@ class Builder {
            .parameter_count = static_cast<std::int32_t>(primitive.parameters.size()),
            .family = item.family,
            .number = item.number,
-           .structure = primitive.structure});
+           .structure = primitive.structure,
+           .representative = item.representative});
+      arrays_.drifts.push_back(item.drift);
       for (const double value : primitive.center)
         arrays_.vectors.push_back(static_cast<float>(value));
       for (const double value : primitive.axes.reshaped())
@@ -251,6 +347,7 @@ class Builder {
   std::vector<Item> items_;
   VectorXd mean_;        // N
   MatrixXd components_;  // N × d
+  double extent_ = 0;    // of the collection: how far centres are from their mean, about
   OwnedArrays arrays_;
 };
 

@@ -1,8 +1,6 @@
 // Sizes, then each entry.
 #include "services/retrieval/index/index_check.h"
 
-#include <algorithm>
-
 namespace mortise::retrieval {
 namespace {
 
@@ -16,8 +14,9 @@ bool Has(std::span<const T> array, std::int64_t size) {
   return size >= 0 && static_cast<std::int64_t>(array.size()) == size;
 }
 
-bool IsConsistent(const PrimitiveEntry& entry, const IndexSizes& sizes) {
-  return entry.axes >= 0 && entry.axes <= sizes.dimension && entry.parameter_count >= 0 &&
+bool IsConsistent(const PrimitiveEntry& entry, std::int64_t number, const IndexSizes& sizes) {
+  return entry.representative >= 0 && entry.representative <= number && entry.axes >= 0 &&
+         entry.axes <= sizes.dimension && entry.parameter_count >= 0 &&
          Lie(entry.vectors, (1 + entry.axes) * sizes.dimension, sizes.vectors) &&
          Lie(entry.radii, entry.axes, sizes.radii) &&
          Lie(entry.parameters, entry.parameter_count, sizes.parameters) &&
@@ -42,7 +41,8 @@ bool SizesFit(const IndexArrays& arrays) {
          Has(arrays.parameters, sizes.parameters) &&
          Has(arrays.places, sizes.primitives * (sizes.leading + 2)) &&
          Has(arrays.leading_axes, sizes.radii * (sizes.leading + 1)) &&
-         Has(arrays.nodes, sizes.nodes) && Has(arrays.balls, sizes.nodes * (sizes.leading + 2)) &&
+         Has(arrays.drifts, sizes.primitives) && Has(arrays.nodes, sizes.nodes) &&
+         Has(arrays.balls, sizes.nodes * (sizes.leading + 2)) &&
          Has(arrays.boxes, sizes.nodes * 2 * (sizes.leading + 1));
 }
 
@@ -52,9 +52,11 @@ bool AreConsistent(const IndexArrays& arrays) {
   if (!SizesFit(arrays)) return false;
   for (std::size_t i = 0; i < arrays.nodes.size(); ++i)
     if (!IsConsistent(arrays.nodes[i], static_cast<std::int64_t>(i), arrays.sizes)) return false;
-  return std::all_of(
-      arrays.primitives.begin(), arrays.primitives.end(),
-      [&](const PrimitiveEntry& entry) { return IsConsistent(entry, arrays.sizes); });
+  for (std::size_t i = 0; i < arrays.primitives.size(); ++i) {
+    if (!IsConsistent(arrays.primitives[i], static_cast<std::int64_t>(i), arrays.sizes))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace mortise::retrieval

@@ -27,9 +27,9 @@ constexpr std::size_t kAlignment = 8;
 constexpr std::size_t kDigestSize = 64;
 using DigestText = std::array<char, kDigestSize>;
 
-constexpr std::array<std::string_view, 13> kSectionNames = {
+constexpr std::array<std::string_view, 14> kSectionNames = {
     "mean",   "components",   "families", "primitives", "vectors", "radii", "parameters",
-    "places", "leading axes", "nodes",    "balls",      "boxes",   "about"};
+    "places", "leading axes", "drifts",   "nodes",      "balls",   "boxes", "about"};
 
 struct SectionEntry {
   std::uint64_t offset = 0;
@@ -53,6 +53,7 @@ static_assert(std::is_trivially_copyable_v<Header> &&
               std::has_unique_object_representations_v<Header>);
 static_assert(std::has_unique_object_representations_v<PrimitiveEntry> &&
               std::has_unique_object_representations_v<NodeEntry>);
+static_assert(sizeof(DriftEntry) == 20 * sizeof(float));
 static_assert(sizeof(Header) % kAlignment == 0);
 
 DigestText DigestOf(std::string_view bytes) {
@@ -74,19 +75,13 @@ std::string_view BytesOf(std::span<const T> array) {
 
 std::array<std::string_view, kSectionNames.size()> SectionsOf(const IndexArrays& arrays,
                                                               std::string_view about) {
-  return {BytesOf(arrays.mean),
-          BytesOf(arrays.components),
-          BytesOf(arrays.families),
-          BytesOf(arrays.primitives),
-          BytesOf(arrays.vectors),
-          BytesOf(arrays.radii),
-          BytesOf(arrays.parameters),
-          BytesOf(arrays.places),
-          BytesOf(arrays.leading_axes),
-          BytesOf(arrays.nodes),
-          BytesOf(arrays.balls),
-          BytesOf(arrays.boxes),
-          about};
+  return {BytesOf(arrays.mean),         BytesOf(arrays.components),
+          BytesOf(arrays.families),     BytesOf(arrays.primitives),
+          BytesOf(arrays.vectors),      BytesOf(arrays.radii),
+          BytesOf(arrays.parameters),   BytesOf(arrays.places),
+          BytesOf(arrays.leading_axes), BytesOf(arrays.drifts),
+          BytesOf(arrays.nodes),        BytesOf(arrays.balls),
+          BytesOf(arrays.boxes),        about};
 }
 
 absl::Status Damaged(const std::filesystem::path& path, std::string_view how) {
@@ -186,6 +181,7 @@ absl::StatusOr<IndexArrays> ArraysOf(const Header& header, std::string_view byte
   arrays.parameters = reader.Next<double>(sizes.parameters);
   arrays.places = reader.Next<double>(sizes.primitives * (sizes.leading + 2));
   arrays.leading_axes = reader.Next<double>(sizes.radii * (sizes.leading + 1));
+  arrays.drifts = reader.Next<DriftEntry>(sizes.primitives);
   arrays.nodes = reader.Next<NodeEntry>(sizes.nodes);
   arrays.balls = reader.Next<double>(sizes.nodes * (sizes.leading + 2));
   arrays.boxes = reader.Next<double>(sizes.nodes * 2 * (sizes.leading + 1));

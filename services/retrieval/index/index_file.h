@@ -17,7 +17,7 @@
 
 namespace mortise::retrieval {
 
-inline constexpr std::uint32_t kIndexVersion = 1;
+inline constexpr std::uint32_t kIndexVersion = 2;
 inline constexpr std::size_t kMostDescriptorName = 63;  // bytes
 
 // An index that was read.

@@ -2,6 +2,7 @@
 #include "services/retrieval/index/primitive_distance.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 namespace mortise::retrieval {
@@ -79,6 +80,22 @@ double DistanceFrom(const IndexArrays& arrays, const PrimitiveEntry& primitive, 
   const double beside =
       difference > kLittle * square ? difference : SquareBeside(arrays, primitive, offset);
   return std::sqrt(beside + beyond * beyond * along);
+}
+
+BoxOffset OffsetFromBox(const IndexArrays& arrays, const PrimitiveEntry& primitive, const double* x,
+                        double* offset, double* within) {
+  const std::int64_t size = arrays.sizes.dimension;
+  const float* vector = arrays.vectors.data() + primitive.vectors;
+  const double* radii = arrays.radii.data() + primitive.radii;
+  const double square = Subtract(x, vector, size, offset);
+  double box_square = square;
+  for (std::int32_t i = 0; i < primitive.axes; ++i) {
+    vector += size;
+    const double along = Dot(offset, vector, size);
+    within[i] = std::clamp(along, -radii[i], radii[i]);
+    box_square -= along * along - (along - within[i]) * (along - within[i]);
+  }
+  return {square, box_square};
 }
 
 }  // namespace mortise::retrieval

@@ -13,4 +13,15 @@ namespace mortise::retrieval {
 double DistanceFrom(const IndexArrays& arrays, const PrimitiveEntry& primitive, const double* x,
                     double* offset);
 
+// What lies between a descriptor and the box around a primitive's ellipsoid, along its axes.
+struct BoxOffset {
+  double center_square = 0;  // of the distance from the centre
+  double box_square = 0;     // of the distance from the box, which is convex
+};
+
+// The offset of `x` from the primitive's box; what of it lies within, from the centre along each
+// axis, is written to `within`, with room for as many numbers as there are axes.
+BoxOffset OffsetFromBox(const IndexArrays& arrays, const PrimitiveEntry& primitive, const double* x,
+                        double* offset, double* within);
+
 }  // namespace mortise::retrieval

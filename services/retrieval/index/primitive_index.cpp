@@ -24,6 +24,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kMostDescriptors = 4;
 // Of a bound: what rounding may take off a distance. Far more than it does, far less than matters.
 constexpr double kSlack = 1e-5;
+constexpr double kLittle = 0.02;  // of a square
 
 // In what order matches are: by distance, family, primitive, turn.
 auto Rank(const IndexMatch& match) {
@@ -157,12 +158,30 @@ class Search {
   // Never more than the distance of anything below a node.
   double BoundOf(std::int32_t node, const VectorXd& place) const {
     const double* ball = arrays_.balls.data() + node * (width_ + 1);
-    const double to_ball = (place - Map<const VectorXd>(ball, width_)).norm() - ball[width_];
-    if (to_ball > matches_.Limit() * (1 + 2 * kSlack)) return (1 - kSlack) * to_ball;
+    const double radius = ball[width_];
+    const double most = matches_.Limit() * (1 + 2 * kSlack) + radius;
+    const double square = SquareBetween(place.data(), ball, most * most);
+    const double to_ball = std::sqrt(square) - radius;
+    if (square > most * most) return (1 - kSlack) * to_ball;
     const double* box = arrays_.boxes.data() + node * 2 * width_;
     const Map<const VectorXd> lower(box, width_), upper(box + width_, width_);
     const double to_box = (lower - place).cwiseMax(place - upper).cwiseMax(0).norm();
     return (1 - kSlack) * std::max({to_ball, to_box, 0.0});
+  }
+
+  // The square of the distance between places, or part of it that is above `most`: the first
+  // components tell nearly all.
+  double SquareBetween(const double* a, const double* b, double most) const {
+    constexpr Index kAtOnce = 8;
+    using Some = Eigen::Matrix<double, kAtOnce, 1>;
+    double square = 0;
+    Index i = 0;
+    for (; i + kAtOnce <= width_; i += kAtOnce) {
+      square += (Map<const Some>(a + i) - Map<const Some>(b + i)).squaredNorm();
+      if (square > most) return square;
+    }
+    for (; i < width_; ++i) square += (a[i] - b[i]) * (a[i] - b[i]);
+    return square;
   }
 
   // Whether a node of a single family holds nothing that matters.
@@ -172,42 +191,123 @@ class Search {
   }
 
   void VisitLeaf(const NodeEntry& leaf, int turn) {
-    const VectorXd& place = places_[static_cast<std::size_t>(turn)];
-    for (std::int32_t i = leaf.first; i < leaf.last; ++i) {
-      const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
-      if (!matches_.IsAllowed(primitive.family)) continue;
-      const double* known = arrays_.places.data() + i * (width_ + 1);
-      const double bound = (place - Map<const VectorXd>(known, width_)).norm() - known[width_];
-      if ((1 - kSlack) * bound > matches_.Limit(primitive.family)) continue;
-      if (TangentBound(primitive, place, known) > matches_.Limit(primitive.family)) continue;
-      ++effort_.distances;
-      matches_.Compare(i, turn, &offset_);
+    for (std::int32_t i = leaf.first; i < leaf.last;) {
+      std::int32_t end = i + 1;
+      while (end < leaf.last &&
+             arrays_.primitives[static_cast<std::size_t>(end)].representative == i) {
+        ++end;
+      }
+      if (end == i + 1) {
+        Visit(i, turn);
+      } else {
+        VisitGroup(i, end, turn);
+      }
+      i = end;
     }
   }
 
+  void Visit(std::int32_t i, int turn) {
+    const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
+    if (!matches_.IsAllowed(primitive.family)) return;
+    const double limit = matches_.Limit(primitive.family);
+    if (PlaceBound(i, places_[static_cast<std::size_t>(turn)], limit) > limit) return;
+    ++effort_.distances;
+    matches_.Compare(i, turn, &offset_);
+  }
+
+  // Primitives that are nearly the same but for where they are: the distance from the first one's
+  // box, which is convex, and its slope there bound those of all.
+  void VisitGroup(std::int32_t first, std::int32_t end, int turn) {
+    const VectorXd& place = places_[static_cast<std::size_t>(turn)];
+    const double reach = static_cast<double>(arrays_.drifts[static_cast<std::size_t>(first)].reach);
+    const double limit = matches_.Limit() + reach;
+    if (PlaceBound(first, place, limit) > limit) return;
+    const Slope slope = SlopeAt(first, turn);
+    if (slope.bound > limit) return;
+    for (std::int32_t i = first; i < end; ++i) {
+      const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
+      const double bound = BoundAlong(slope, arrays_.drifts[static_cast<std::size_t>(i)], reach);
+      if (bound > matches_.Limit()) continue;
+      if (!matches_.IsAllowed(primitive.family) || bound > matches_.Limit(primitive.family))
+        continue;
+      Visit(i, turn);
+    }
+  }
+
+  using Leading = Eigen::Array<float, 16, 1>;
+
+  // How the distance from a box changes with its place.
+  struct Slope {
+    double bound = 0;                   // of the distance
+    Leading leading = Leading::Zero();  // towards the query: its unit vector along the components
+    double rest = 1;                    // no more of it is beside these
+  };
+
+  Slope SlopeAt(std::int32_t first, int turn) {
+    const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(first)];
+    const VectorXd& x = query_.descriptors[static_cast<std::size_t>(turn)];
+    within_.resize(primitive.axes);
+    ++effort_.distances;
+    const BoxOffset box =
+        OffsetFromBox(arrays_, primitive, x.data(), offset_.data(), within_.data());
+    // Where little is left, its direction is that of the axes' rounding.
+    if (!(box.box_square > kLittle * box.center_square)) return {};
+    const double distance = std::sqrt(box.box_square);
+    Slope slope{.bound = (1 - kSlack) * distance};
+    const Index used = std::min<Index>(width_ - 1, slope.leading.size());
+    VectorXd leading = places_[static_cast<std::size_t>(turn)].head(used) -
+                       Map<const VectorXd>(arrays_.places.data() + first * (width_ + 1), used);
+    for (std::int32_t i = 0; i < primitive.axes; ++i) {
+      leading -=
+          within_[i] *
+          Map<const VectorXd>(arrays_.leading_axes.data() + (primitive.radii + i) * width_, used);
+    }
+    leading /= distance;
+    slope.rest = std::sqrt(std::max(0.0, 1 - leading.squaredNorm()) + 3 * kSlack);
+    slope.leading.head(used) = leading.cast<float>().array();
+    return slope;
+  }
+
+  // Never more than the distance from a primitive of the group, as distances from convex sets lie
+  // above their tangents.
+  static double BoundAlong(const Slope& slope, const DriftEntry& drift, double reach) {
+    const Map<const Leading> leading(drift.leading.data());
+    const double along = static_cast<double>((slope.leading * leading).sum());
+    return slope.bound - along - slope.rest * static_cast<double>(drift.rest) -
+           static_cast<double>(drift.misfit) - 3 * kSlack * reach;
+  }
+
+  // Never more than the distance from a primitive; less than that as soon as it is above `limit`.
+  double PlaceBound(std::int32_t i, const VectorXd& place, double limit) const {
+    const double* known = arrays_.places.data() + i * (width_ + 1);
+    const double most = limit * (1 + 2 * kSlack) + known[width_];
+    const double square = SquareBetween(place.data(), known, most * most);
+    if (square > most * most) return (1 - kSlack) * (std::sqrt(square) - known[width_]);
+    const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
+    if (primitive.axes == 0) return (1 - kSlack) * std::sqrt(square);
+    return TangentBound(primitive, place, known);
+  }
+
   // Never more than the distance from a tangent whose centre has the place `known`. The offset x -
-  // c is known along the components, and the length of its rest within limits; so is its part along
-  // each axis. What is not along the axes is at least what is left of its square, and along each
-  // axis no place of the ellipsoid is beyond its radius.
+  // c is known along the components, and the length of its rest within limits; so is its part a
+  // along each axis. An axis of radius r makes the square of the distance less than that of the
+  // offset by a² at most, and where |a| > r, by a² - (|a| - r)²: the more the larger |a| is.
   double TangentBound(const PrimitiveEntry& primitive, const VectorXd& place,
                       const double* known) const {
-    if (primitive.axes == 0) return 0;
     const Map<const VectorXd> center(known, width_);
     const auto offset = place.head(width_ - 1) - center.head(width_ - 1);
     const double shortest = std::abs(place[width_ - 1] - center[width_ - 1]);
     const double longest = place[width_ - 1] + center[width_ - 1];
-    const double square = offset.squaredNorm() + shortest * shortest;
-    double beside = (1 - kSlack) * square, beyond = 0;
+    double square = (1 - kSlack) * (offset.squaredNorm() + shortest * shortest);
     for (std::int32_t i = 0; i < primitive.axes; ++i) {
       const double* axis = arrays_.leading_axes.data() + (primitive.radii + i) * width_;
-      const double along = std::abs(offset.dot(Map<const VectorXd>(axis, width_ - 1)));
-      const double doubt = axis[width_ - 1] * longest;
-      const double out =
-          along - doubt - arrays_.radii[static_cast<std::size_t>(primitive.radii + i)];
-      beside -= (along + doubt) * (along + doubt);
-      if (out > 0) beyond += out * out;
+      const double along =
+          (1 + kSlack) * std::abs(offset.dot(Map<const VectorXd>(axis, width_ - 1))) +
+          axis[width_ - 1] * longest;
+      const double radius = arrays_.radii[static_cast<std::size_t>(primitive.radii + i)];
+      square -= along <= radius ? along * along : radius * (2 * along - radius);
     }
-    return (1 - kSlack) * std::sqrt(std::max(0.0, beside) + beyond);
+    return (1 - kSlack) * std::sqrt(std::max(0.0, square));
   }
 
   const IndexArrays& arrays_;
@@ -215,6 +315,7 @@ class Search {
   Matches matches_;
   Index width_;  // d + 1
   VectorXd offset_;
+  VectorXd within_;
   std::vector<VectorXd> places_;  // of each descriptor of the query
   std::priority_queue<Entry> queue_;
   IndexEffort effort_;

@@ -1,12 +1,17 @@
 // Finds the families whose covers come nearest to a descriptor, exactly and without looking at all
 // primitives (thesis §4.5, and what §4.7.3 leaves to others).
 //
-// Our own structure, a metric tree: primitives lie in leaves of at most eight; each node knows a
-// ball and a box around all that is below it, in the space of the leading principal components of
-// the centres and the length of what these leave. Distances there are never longer than between
-// descriptors, so they bound from below what a node holds, at a tenth of the cost. Nodes are looked
-// at in the order of their bounds until none can hold anything nearer. Tangents are bounded with
-// their whole ellipsoid.
+// Our own structure, a metric tree: primitives lie in leaves; each node knows a ball and a box
+// around all that is below it, in the space of the leading principal components of the centres and
+// the length of what these leave. Distances there are never longer than between descriptors, so
+// they bound from below what a node holds, at a fraction of the cost. Nodes are looked at in the
+// order of their bounds until none can hold anything nearer. Tangents are bounded with their whole
+// ellipsoid.
+//
+// Families that are nearly the same, as variants of one template, have nearly the same primitives.
+// These lie in a leaf together, as a group: the distance from the box around the first one's
+// ellipsoid is convex in where the box is, so that it and its slope, computed once, bound those
+// from all others from below by a product of a few numbers each.
 #pragma once
 
 #include <Eigen/Core>

@@ -139,6 +139,45 @@ TEST(PrimitiveIndex, LooksAtFewPrimitivesOfMany) {
   EXPECT_LT(effort.distances * 10, index.primitives());
 }
 
+// Copies of families that are moved, a little turned and a little larger or smaller.
+std::vector<FamilyCover> NearlyTheSame(const CoverLook& look, int copies, double jitter,
+                                       Random* random) {
+  auto covers = testing::Jittered(RandomCovers(look, random), copies, jitter, random);
+  for (FamilyCover& cover : covers) {
+    for (Primitive& primitive : cover.primitives) {
+      const Eigen::Index size = primitive.axes.rows(), axes = primitive.axes.cols();
+      if (axes == 0) continue;
+      for (auto axis : primitive.axes.colwise()) axis += 0.02 * random->UnitVector(size);
+      const Eigen::HouseholderQR<Eigen::MatrixXd> turned(primitive.axes);
+      primitive.axes = turned.householderQ() * Eigen::MatrixXd::Identity(size, axes);
+      for (double& radius : primitive.radii) radius *= 0.97 + 0.06 * random->Uniform();
+    }
+  }
+  return covers;
+}
+
+TEST(PrimitiveIndex, TellsFamiliesApartThatAreNearlyTheSame) {
+  Random random(13);
+  for (const double jitter : {0.0, 0.01, 0.1}) {
+    for (const Eigen::Index dimension : {5, 24, 90}) {
+      const CoverLook look{.families = 6, .dimension = dimension, .radius = 0.3};
+      const auto covers = NearlyTheSame(look, 40, jitter, &random);
+      ASSERT_OK_AND_ASSIGN(const PrimitiveIndex index, PrimitiveIndex::Build(covers));
+      for (int i = 0; i < 60; ++i) {
+        const Primitive& near = covers[static_cast<std::size_t>(4 * i)].primitives[2];
+        VectorXd x = RandomDescriptor(dimension, &random);
+        if (i % 3 > 0) x = near.center + (i % 3 == 1 ? 0.001 : 0.1) * x;
+        if (i % 2 > 0 && near.axes.cols() > 0) x += 0.9 * near.radii[0] * near.axes.col(0);
+        IndexQuery query{.descriptors = {x}, .count = 1 + i % 15};
+        if (i % 4 == 0) query.descriptors.push_back(RandomDescriptor(dimension, &random));
+        ASSERT_OK_AND_ASSIGN(const auto matches, index.Nearest(query));
+        ASSERT_OK_AND_ASSIGN(const auto scanned, index.LinearScan(query));
+        ExpectSame(matches, scanned);
+      }
+    }
+  }
+}
+
 TEST(PrimitiveIndex, GivesBackWhatWasPutIn) {
   Random random(10);
   const auto covers = RandomCovers({}, &random);
