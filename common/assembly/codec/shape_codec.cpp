@@ -35,12 +35,16 @@ bool IsWithin(const Eigen::Ref<const Eigen::MatrixXi>& indices, Eigen::Index cou
 }
 
 absl::Status CheckArrays(const v1::Shape& message) {
-  const auto is_count = [](int count, Eigen::Index most) { return count >= 4 && count <= most; };
-  if (!is_count(message.vertex_count(), mesh::kMaxShapeVertices)) {
-    return InvalidField("vertex_count", absl::StrCat("must be 4 to ", mesh::kMaxShapeVertices));
+  const int least_vertices = message.surface_only() ? 3 : 4;
+  const int least_triangles = message.surface_only() ? 1 : 4;
+  if (message.vertex_count() < least_vertices || message.vertex_count() > mesh::kMaxShapeVertices) {
+    return InvalidField("vertex_count",
+                        absl::StrCat("must be ", least_vertices, " to ", mesh::kMaxShapeVertices));
   }
-  if (!is_count(message.triangle_count(), mesh::kMaxShapeTriangles)) {
-    return InvalidField("triangle_count", absl::StrCat("must be 4 to ", mesh::kMaxShapeTriangles));
+  if (message.triangle_count() < least_triangles ||
+      message.triangle_count() > mesh::kMaxShapeTriangles) {
+    return InvalidField("triangle_count", absl::StrCat("must be ", least_triangles, " to ",
+                                                       mesh::kMaxShapeTriangles));
   }
   const auto vertices = static_cast<std::size_t>(message.vertex_count());
   const auto triangles = static_cast<std::size_t>(message.triangle_count());
@@ -81,6 +85,7 @@ absl::StatusOr<mesh::DrawnShape> FromProto(const v1::Shape& message) {
   }
   for (const std::string& name : message.face_names()) shape.face_names.push_back({name});
   shape.brep = message.brep();
+  shape.is_solid = !message.surface_only();
   mesh::DeriveFaces(shape);
   return shape;
 }
@@ -109,6 +114,7 @@ v1::Shape ToProto(const mesh::DrawnShape& shape) {
     added.set_fraction(plane.fraction);
   }
   message.set_brep(shape.brep);
+  message.set_surface_only(!shape.is_solid);
   return message;
 }
 

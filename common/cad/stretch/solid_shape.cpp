@@ -214,6 +214,9 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name) {
+  if (!shape.is_solid) {
+    return InvalidField("shape", "is only a surface, as its mesh is not the boundary of one solid");
+  }
   if (shape.brep.empty()) return Faceted(shape, stretch, name);
   try {
     return InBox(shape, stretch, name);

@@ -25,7 +25,8 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 // of triangles only has a plane for each. Levels divide the shape (mesh::ShapeLevel), and its
 // triangles are divided there (mesh::DividedAt).
 //
-// INVALID_ARGUMENT, "shape", if no such solid can be made, naming the faces at fault.
+// INVALID_ARGUMENT, "shape", if no such solid can be made, naming the faces at fault, and for what
+// is only a surface.
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name);
 

@@ -153,6 +153,7 @@ class CountersinkSearch {
 }  // namespace
 
 std::vector<Countersink> CountersinksOf(const DrawnShape& shape) {
+  if (!shape.is_solid) return {};
   const Eigen::Matrix3Xd vertices = shape.size.asDiagonal() * shape.fractions;
   const Eigen::Matrix3Xd normals = TriangleNormals(vertices, shape.triangles);
   const std::vector<SharedEdge> edges = SharedEdges(shape.triangles);

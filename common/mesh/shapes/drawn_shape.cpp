@@ -26,6 +26,7 @@ constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
 constexpr double kAlong = 1e-6;         // of its largest section: that of a triangle along an axis
 constexpr double kProminent = 0.1;      // of the box's section: the least area of a large face
 constexpr std::size_t kMostPlanes = 4;  // along an axis
+constexpr double kLeastFilled = 1e-6;   // of its box: the volume of what is only a surface
 constexpr int kMostFaults = 5;          // told of one surface
 constexpr int kMostIntersections = 3;
 
@@ -37,17 +38,25 @@ std::string PlaceText(const Eigen::Vector3d& place) {
                          1000 * place.z());
 }
 
-absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
+absl::Status CheckExtent(const mesh::SurfaceMesh& surface) {
   if (surface.triangles.cols() == 0) return InvalidField("shape", "has no triangles");
   if (surface.vertices.cols() > kMaxShapeVertices ||
       surface.triangles.cols() > kMaxShapeTriangles) {
     return TooLarge("shape", absl::StrCat(kMaxShapeVertices, " vertices and ", kMaxShapeTriangles,
                                           " triangles"));
   }
+  if (!surface.vertices.allFinite()) {
+    return InvalidField("shape", "has a coordinate that is not finite");
+  }
   if (surface.vertices.cwiseAbs().maxCoeff() > kFurthest) {
     return InvalidField("shape",
                         absl::StrCat("lies further than ", kFurthest, " m from the origin"));
   }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
+  MORTISE_RETURN_IF_ERROR(CheckExtent(surface));
   std::vector<FieldViolation> faults;
   for (const mesh::SurfaceFault& fault : mesh::CheckSurface(surface, kMostFaults)) {
     faults.push_back({"shape", fault.message});
@@ -226,18 +235,18 @@ void DeriveFaces(DrawnShape& shape) {
   FindPlanes(shape);
 }
 
-absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
-                                          const Eigen::VectorXi& triangle_face,
-                                          const std::vector<std::string>& own_names,
-                                          const Eigen::Vector3d& minimum,
-                                          const Eigen::Vector3d& maximum) {
-  MORTISE_RETURN_IF_ERROR(CheckSolid(surface));
+namespace {
+
+// Everything about a shape but its volume.
+absl::StatusOr<DrawnShape> InBox(const mesh::SurfaceMesh& surface,
+                                 const Eigen::VectorXi& triangle_face,
+                                 const std::vector<std::string>& own_names,
+                                 const Eigen::Vector3d& minimum, const Eigen::Vector3d& maximum) {
   DrawnShape shape;
   shape.size = maximum - minimum;
   if (!shape.size.allFinite() || shape.size.minCoeff() < kLeastSize) {
     return InvalidField("shape", "has a side shorter than a micrometre");
   }
-  shape.volume = mesh::ComputeMassProperties(surface).volume;
   const Eigen::Vector3d center = (minimum + maximum) / 2;
   shape.fractions = (surface.vertices.colwise() - center).array().colwise() / shape.size.array();
   for (Eigen::Index k = 0; k < shape.fractions.cols(); ++k) {
@@ -252,6 +261,32 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
   shape.triangle_face = triangle_face;
   for (const std::string& name : own_names) shape.face_names.push_back({name});
   DeriveFaces(shape);
+  return shape;
+}
+
+// What the triangles enclose, seen from the middle of the box, m³.
+double EnclosedVolume(const DrawnShape& shape) {
+  double six_fold = 0;
+  for (const auto& triangle : shape.triangles.colwise()) {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return shape.size.cwiseProduct(shape.fractions.col(triangle(k)));
+    };
+    six_fold += corner(0).dot(corner(1).cross(corner(2)));
+  }
+  return std::abs(six_fold) / 6;
+}
+
+}  // namespace
+
+absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
+                                          const Eigen::VectorXi& triangle_face,
+                                          const std::vector<std::string>& own_names,
+                                          const Eigen::Vector3d& minimum,
+                                          const Eigen::Vector3d& maximum) {
+  MORTISE_RETURN_IF_ERROR(CheckSolid(surface));
+  MORTISE_ASSIGN_OR_RETURN(DrawnShape shape,
+                           InBox(surface, triangle_face, own_names, minimum, maximum));
+  shape.volume = mesh::ComputeMassProperties(surface).volume;
   return shape;
 }
 
@@ -278,6 +313,23 @@ absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface) {
   return shape;
 }
 
+absl::StatusOr<DrawnShape> ShapeOfSurface(SurfaceMesh surface, const Eigen::Vector3d& minimum,
+                                          const Eigen::Vector3d& maximum) {
+  MORTISE_RETURN_IF_ERROR(CheckExtent(surface));
+  if (ComputeMassProperties(surface).volume < 0) {
+    surface.triangles.row(1).swap(surface.triangles.row(2));
+  }
+  absl::StatusOr<DrawnShape> solid = ShapeOfMesh(surface);
+  if (solid.ok()) return solid;
+  MORTISE_ASSIGN_OR_RETURN(DrawnShape shape,
+                           InBox(surface, Eigen::VectorXi::Zero(surface.triangles.cols()),
+                                 {kUnknownFace}, minimum, maximum));
+  const double of_box = shape.size.prod();
+  shape.volume = std::clamp(EnclosedVolume(shape), kLeastFilled * of_box, of_box);
+  shape.is_solid = false;
+  return shape;
+}
+
 mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch) {
   mesh::SurfaceMesh surface{stretch.size.asDiagonal() * shape.fractions, shape.triangles};
   for (int axis = 0; axis < 3; ++axis) {
@@ -290,7 +342,7 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch) 
 }
 
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
-  if (stretch.IsInProportion()) {
+  if (stretch.IsInProportion() || !shape.is_solid) {
     return shape.volume * (stretch.size.array() / shape.size.array()).prod();
   }
   return ComputeMassProperties(SurfaceIn(shape, stretch)).volume + MissedVolumeIn(shape, stretch);

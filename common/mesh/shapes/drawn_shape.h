@@ -51,6 +51,8 @@ struct DrawnShape {
   // for what is only triangles.
   std::string brep;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  // False for what is only a surface (ShapeOfSurface): there is no solid to cut, bore or analyse.
+  bool is_solid = true;
 };
 
 // Returns the shape with this closed surface. `minimum` and `maximum` are the corners of its box,
@@ -73,6 +75,16 @@ absl::StatusOr<DrawnShape> MakeDrawnShape(const mesh::SurfaceMesh& surface,
 // hollows.
 absl::StatusOr<DrawnShape> ShapeOfMesh(const mesh::SurfaceMesh& surface);
 
+// Returns the shape of a surface as people have it, in the box from `minimum` to `maximum`, m: that
+// of ShapeOfMesh where it is the boundary of one solid, or would be if it were turned inside out.
+// Otherwise it is only a surface (`is_solid` is false): open, flipped, doubled, crossing itself, of
+// several pieces. Its volume is then what its triangles enclose about the middle of its box, at
+// least a millionth of the box, which is an estimate where there are holes. It may be flat: then
+// the box is as thick as the corners say. INVALID_ARGUMENT, "shape", for one without triangles, for
+// coordinates beyond 10 km or not finite, and for a box without size; RESOURCE_EXHAUSTED as above.
+absl::StatusOr<DrawnShape> ShapeOfSurface(SurfaceMesh surface, const Eigen::Vector3d& minimum,
+                                          const Eigen::Vector3d& maximum);
+
 // Returns how large a triangle is seen along an axis, as a share of the box's section across it.
 double SectionOf(const DrawnShape& shape, Eigen::Index triangle, int axis);
 
@@ -87,7 +99,8 @@ mesh::SurfaceMesh SurfaceIn(const DrawnShape& shape, const BoxStretch& stretch);
 // Returns the volume in such a box, m³. Stretching in proportion multiplies volumes. Where the
 // shape is stretched in pieces, the volume is that of the triangles and what they miss of it
 // (missed_volume.h), as exact as `volume` where what is round keeps its size or is stretched in
-// proportion. O(T log L) for L levels, if the shape is divided.
+// proportion. What is only a surface counts as stretched in proportion. O(T log L) for L levels, if
+// the shape is divided.
 double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch);
 
 // Returns by how much triangles may miss the exact surface in such a box, m. It is no more for bars

@@ -250,6 +250,7 @@ std::vector<SmoothPiece> SmoothPieces(const DrawnShape& shape, const Eigen::Matr
 }  // namespace
 
 std::vector<RoundFace> RoundFacesOf(const DrawnShape& shape) {
+  if (!shape.is_solid) return {};
   const Eigen::Matrix3Xd vertices = shape.size.asDiagonal() * shape.fractions;
   const Eigen::Matrix3Xd normals = TriangleNormals(vertices, shape.triangles);
   const std::vector<SmoothPiece> pieces = SmoothPieces(shape, normals);

@@ -31,8 +31,8 @@ struct RoundFace {
 // Returns the round faces of a shape as it was drawn, the corners of whose triangles lie in its
 // faces; where a shape is cut (DividedAt) they need not. They are in the order of their axis, and
 // then of where they lie. A face of the shape that has several round pieces, as that of an uploaded
-// mesh has, counts by piece. A piece that is drawn with fewer than three chords, or with more than
-// 40° between them, is taken for flat. O(T log T) for T triangles.
+// mesh has, counts by piece. What is only a surface has none. A piece that is drawn with fewer than
+// three chords, or with more than 40° between them, is taken for flat. O(T log T) for T triangles.
 std::vector<RoundFace> RoundFacesOf(const DrawnShape& shape);
 
 }  // namespace mortise::mesh

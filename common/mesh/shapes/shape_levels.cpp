@@ -248,6 +248,7 @@ class LevelSearch {
 }  // namespace
 
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape) {
+  if (!shape.is_solid) return {};
   const std::vector<SharedEdge> edges = SharedEdges(shape.triangles);
   const std::vector<RoundFace> round_faces = RoundFacesOf(shape);
   const std::vector<Countersink> countersinks = CountersinksOf(shape);
