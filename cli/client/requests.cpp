@@ -127,6 +127,14 @@ absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
   return values;
 }
 
+absl::StatusOr<v1::Axis> ParseAxis(const std::string& text, const std::string& field) {
+  if (text.empty()) return v1::AXIS_UNSPECIFIED;
+  if (text == "x") return v1::X;
+  if (text == "y") return v1::Y;
+  if (text == "z") return v1::Z;
+  return InvalidField(field, absl::StrCat("'", text, "' is none of x, y, z"));
+}
+
 std::string ResourceName(const std::string& collection, const std::string& name) {
   return absl::StrContains(name, '/') ? name : absl::StrCat(collection, "/", name);
 }

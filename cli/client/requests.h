@@ -50,6 +50,9 @@ absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::stri
 absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     const std::vector<std::string>& assignments);
 
+// "x", "y" or "z", or nothing for an axis that is not said. INVALID_ARGUMENT naming `field`.
+absl::StatusOr<v1::Axis> ParseAxis(const std::string& text, const std::string& field);
+
 // "table" or "templates/table" to "templates/table".
 std::string ResourceName(const std::string& collection, const std::string& name);
 
@@ -64,6 +67,9 @@ std::string MetricText(const v1::Metric& metric);
 // Writes what a stream of chunks carries, after checking size and digest. Returns the size.
 absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
                                      const std::filesystem::path& path);
+
+// Most bytes of a file that fit into a message; larger ones are uploaded first.
+inline constexpr std::size_t kMostInMessage = 4'000'000;
 
 // Sends bytes as a stream of chunks, and says that they were all. What becomes of it the call's
 // Finish says.

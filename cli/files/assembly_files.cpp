@@ -14,6 +14,7 @@
 #include "cli/client/field_sources.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
+#include "cli/client/tag_options.h"
 #include "cli/files/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -37,6 +38,11 @@ struct ImportOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path annotations;
   std::string id;
+  std::string unit, up;  // of meshes
+  int most_parts = 0;
+  TagOptions tags;
+
+  bool HasMeshOptions() const { return !unit.empty() || !up.empty() || most_parts != 0; }
 };
 
 struct ExportOptions {
@@ -131,15 +137,12 @@ absl::StatusOr<std::string> Upload(const std::string& bytes, Stub& stub,
   return response.sha256();
 }
 
-absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOptions& options,
-                           Stub& stub, const GatewayClient& client, Output& output,
-                           nlohmann::ordered_json& document) {
-  v1::ImportAssemblyStepRequest request;
+// What a file that was drawn becomes besides the file: its annotations, as the flags have them.
+template <typename Request>
+absl::Status Describe(const std::filesystem::path& file, const ImportOptions& options, Stub& stub,
+                      const GatewayClient& client, Request& request, FieldSources& sources) {
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_annotations(), ReadAnnotations(options.annotations));
-  MORTISE_ASSIGN_OR_RETURN(const std::string packed, PackedFile(file));
   v1::AssemblyAnnotations& annotations = *request.mutable_annotations();
-  FieldSources sources;
-  sources.AddFile("step", file.string());
   sources.AddFile("drawing", file.string());
   sources.AddFile("annotations",
                   (options.annotations.empty() ? file : options.annotations).string());
@@ -149,11 +152,29 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
   } else if (annotations.name().empty()) {
     annotations.set_name(ResourceName("assemblies", IdOf(file)));
   }
+  if (!options.tags.empty()) {
+    annotations.clear_external_ids();
+    annotations.clear_labels();
+    MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &annotations));
+    sources.AddEach("annotations.external_ids", "--external-id", options.tags.external_ids);
+    sources.Add("annotations.labels", "--label");
+  }
   request.set_request_id(NewIdentifier());
   MORTISE_ASSIGN_OR_RETURN(const int64_t before, PresentRevision(annotations.name(), stub, client));
   request.set_expected_revision(before);
+  return absl::OkStatus();
+}
+
+absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOptions& options,
+                           Stub& stub, const GatewayClient& client, Output& output,
+                           nlohmann::ordered_json& document) {
+  v1::ImportAssemblyStepRequest request;
+  FieldSources sources;
+  sources.AddFile("step", file.string());
+  MORTISE_ASSIGN_OR_RETURN(std::string packed, PackedFile(file));
+  MORTISE_RETURN_IF_ERROR(Describe(file, options, stub, client, request, sources));
   if (request.ByteSizeLong() + packed.size() <= kMostInMessage) {
-    request.set_step(packed);
+    request.set_step(std::move(packed));
   } else {
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
   }
@@ -163,8 +184,39 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
         return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
       },
       kLargeFileSeconds)));
-  Tell(imported.assembly(), before, {imported.notes().begin(), imported.notes().end()}, output,
-       document);
+  Tell(imported.assembly(), request.expected_revision(),
+       {imported.notes().begin(), imported.notes().end()}, output, document);
+  return absl::OkStatus();
+}
+
+absl::Status ImportMesh(const std::filesystem::path& file, const ImportOptions& options, Stub& stub,
+                        const GatewayClient& client, Output& output,
+                        nlohmann::ordered_json& document) {
+  v1::ImportAssemblyMeshRequest request;
+  FieldSources sources;
+  sources.AddFile("file", file.string());
+  sources.Add("length_unit", "--unit");
+  sources.Add("most_parts", "--most-parts");
+  request.set_file_name(file.filename().string());
+  request.set_length_unit(options.unit);
+  MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, ParseAxis(options.up, "--up"));
+  request.set_up(up);
+  request.set_most_parts(options.most_parts);
+  MORTISE_ASSIGN_OR_RETURN(std::string packed, PackedFile(file));
+  MORTISE_RETURN_IF_ERROR(Describe(file, options, stub, client, request, sources));
+  if (request.ByteSizeLong() + packed.size() <= kMostInMessage) {
+    request.set_file(std::move(packed));
+  } else {
+    MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
+  }
+  v1::ImportAssemblyMeshResponse imported;
+  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call(
+      [&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(stub.ImportAssemblyMesh(&context, request, &imported));
+      },
+      kLargeFileSeconds)));
+  Tell(imported.assembly(), request.expected_revision(),
+       {imported.notes().begin(), imported.notes().end()}, output, document);
   return absl::OkStatus();
 }
 
@@ -215,6 +267,9 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   return absl::OkStatus();
 }
 
+// Whether a file is drawn, and no text.
+bool IsDrawn(const std::filesystem::path& file) { return IsStepFile(file) || IsMeshFile(file); }
+
 // The assemblies of the files that are text, each at its file's place. Everything that is wrong
 // with any of them is told.
 absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
@@ -222,7 +277,7 @@ absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
   std::vector<v1::Assembly> texts(files.size());
   absl::Status faults;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    if (IsStepFile(files[i])) continue;
+    if (IsDrawn(files[i])) continue;
     absl::StatusOr<v1::Assembly> text = ReadMessage<v1::Assembly>(files[i]);
     faults = Together(faults, text.status());
     if (text.ok()) texts[i] = *std::move(text);
@@ -231,21 +286,40 @@ absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
   return texts;
 }
 
-absl::Status Import(const ImportOptions& options, Session& session, Output& output) {
-  const bool has_step = std::any_of(options.files.begin(), options.files.end(), IsStepFile);
-  const bool has_options = !options.annotations.empty() || !options.id.empty();
-  if (has_options && (!has_step || options.files.size() > 1)) {
-    return InvalidField(options.id.empty() ? "--annotations" : "--id", "belongs to one STEP file");
+// Flags that belong to one file of a kind.
+absl::Status CheckFlags(const ImportOptions& options) {
+  const bool is_one = options.files.size() == 1;
+  const bool is_mesh = is_one && IsMeshFile(options.files.front());
+  if (options.HasMeshOptions() && !is_mesh) {
+    return InvalidField(!options.unit.empty() ? "--unit"
+                        : !options.up.empty() ? "--up"
+                                              : "--most-parts",
+                        "belongs to one mesh");
   }
+  const bool has_options =
+      !options.annotations.empty() || !options.id.empty() || !options.tags.empty();
+  if (has_options && !(is_one && IsDrawn(options.files.front()))) {
+    return InvalidField(!options.id.empty()                  ? "--id"
+                        : !options.annotations.empty()       ? "--annotations"
+                        : !options.tags.external_ids.empty() ? "--external-id"
+                                                             : "--label",
+                        "belongs to one STEP file or mesh");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Import(const ImportOptions& options, Session& session, Output& output) {
+  MORTISE_RETURN_IF_ERROR(CheckFlags(options));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::Assembly> texts, ReadTexts(options.files));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::AssemblyService::NewStub(client->channel());
   nlohmann::ordered_json document = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const std::filesystem::path& file = options.files[i];
-    MORTISE_RETURN_IF_ERROR(IsStepFile(file)
-                                ? ImportDrawing(file, options, *stub, *client, output, document)
-                                : ImportText(file, texts[i], *stub, *client, output, document));
+    MORTISE_RETURN_IF_ERROR(
+        IsStepFile(file)   ? ImportDrawing(file, options, *stub, *client, output, document)
+        : IsMeshFile(file) ? ImportMesh(file, options, *stub, *client, output, document)
+                           : ImportText(file, texts[i], *stub, *client, output, document));
   }
   output.Document(document);
   return absl::OkStatus();
@@ -310,16 +384,26 @@ void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
   CLI::App* add = assembly.add_subcommand("import", "Add assembly files to the catalog");
   add->add_option(
          "files", import_options->files,
-         "Files of one mortise.v1.Assembly each (.textproto), or STEP (.step, .stp, .stpz)")
+         "Files of one mortise.v1.Assembly each (.textproto), STEP (.step, .stp, .stpz), or meshes "
+         "(.obj, .off, .ply, .stl, .glb, .gltf)")
       ->required();
   add->add_option("--annotations", import_options->annotations,
-                  "What the STEP file does not say: mortise.v1.AssemblyAnnotations (.textproto or "
-                  ".json)");
+                  "What the STEP file or mesh does not say: mortise.v1.AssemblyAnnotations "
+                  "(.textproto or .json)");
   add->add_option("--id", import_options->id,
-                  "Name of the assembly in a STEP file, instead of the annotations' or the file's");
+                  "Name of the assembly in a STEP file or mesh, instead of the annotations' or the "
+                  "file's");
+  add->add_option("--unit", import_options->unit,
+                  "Unit of a mesh: m, cm, mm, um, in or ft; as its format says, or else a guess");
+  add->add_option("--up", import_options->up,
+                  "Which way is up in a mesh: x, y or z; as its format says, or else z");
+  add->add_option("--most-parts", import_options->most_parts,
+                  "How many parts a mesh becomes at most, 1 to 200; 40 if left out");
+  AddTagOptions(*add, import_options->tags);
   add->footer(
       "Example: mortise assembly import collection/assemblies/bookshelf.textproto\n"
-      "         mortise assembly import table.step --annotations table.textproto");
+      "         mortise assembly import table.step --annotations table.textproto\n"
+      "         mortise assembly import chair.obj --unit cm --up y");
   add->callback([&session, import_options] {
     session.command = [import_options](Session& s, Output& o) {
       return Import(*import_options, s, o);

@@ -5,9 +5,11 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "cli/client/field_sources.h"
+#include "cli/client/requests.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -55,6 +57,12 @@ absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file) {
 bool IsStepFile(const std::filesystem::path& file) {
   const std::string extension = LowerCaseExtension(file);
   return extension == ".step" || extension == ".stp" || extension == ".stpz";
+}
+
+bool IsMeshFile(const std::filesystem::path& file) {
+  static const std::set<std::string> kExtensions = {".obj", ".off", ".ply",
+                                                    ".stl", ".glb", ".gltf"};
+  return kExtensions.count(LowerCaseExtension(file)) != 0;
 }
 
 absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,

@@ -13,14 +13,14 @@
 
 namespace mortise::cli {
 
-// Most bytes of a file that fit into a message.
-inline constexpr std::size_t kMostInMessage = 4'000'000;
-
 // The bytes of a file of at most 64 MiB, packed by gzip. NOT_FOUND; RESOURCE_EXHAUSTED.
 absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file);
 
 // Whether a file is STEP by its extension: .step, .stp, .stpz.
 bool IsStepFile(const std::filesystem::path& file);
+
+// Whether a file is a mesh by its extension: .obj, .off, .ply, .stl, .glb, .gltf.
+bool IsMeshFile(const std::filesystem::path& file);
 
 // Adds the shape in a file (STEP, or STL in millimetres) to the catalog. What is wrong with it is
 // said with the file's name.

@@ -5,11 +5,15 @@
 
 #include "common/cad/step/step_isolation.h"
 #include "common/host/run_service.h"
+#include "common/mesh/scenes/scene_reader.h"
 #include "services/catalog/service/catalog_service.h"
 
 int main(int argc, char** argv) {
   if (argc == 2 && std::string_view(argv[1]) == mortise::cad::kStepChildArgument) {
     return mortise::cad::RunStepChild();
+  }
+  if (argc == 2 && std::string_view(argv[1]) == mortise::mesh::kSceneChildArgument) {
+    return mortise::mesh::RunSceneChild();
   }
   std::filesystem::path collection;
   mortise::rpc::ServiceDescription description;

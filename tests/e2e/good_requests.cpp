@@ -101,6 +101,10 @@ constexpr Example kExamples[] = {
      "request_id: 'bad-17' step: '{step}' annotations { name: 'assemblies/drawn' "
      "parts { parts: 'screw left 1.1' item: 'items/screw-4x40' role: CONNECTING } }",
      Outcome::kChanges},
+    {"AssemblyService/ImportAssemblyMesh",
+     "request_id: 'bad-51' file: '{tetrahedron}' file_name: 't.stl' length_unit: 'mm' up: Z "
+     "most_parts: 10 annotations { name: 'assemblies/meshed' tolerance: 0.0001 }",
+     Outcome::kChanges},
     {"AssemblyService/DeleteAssembly",
      "request_id: 'bad-44' name: 'assemblies/planter' revision: 1", Outcome::kChanges},
     {"AssemblyService/UploadDrawing", "data: 'abc' total_size: 4", Outcome::kRefused},

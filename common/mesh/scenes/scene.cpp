@@ -26,6 +26,10 @@ Eigen::Matrix3d TurnToZ(UpAxis up) {
 
 }  // namespace
 
+UpAxis UpAxisOf(int number) {
+  return number >= 1 && number <= 3 ? static_cast<UpAxis>(number) : UpAxis::kUnknown;
+}
+
 std::int64_t TriangleCount(const Scene& scene) {
   std::int64_t count = 0;
   for (const SceneComponent& component : scene.components) count += component.triangles.cols();
@@ -87,6 +91,21 @@ std::optional<UnitGuess> GuessUnit(const Scene& scene) {
                                     range.name, diagonal)};
   }
   return std::nullopt;
+}
+
+Scene Settled(Scene scene, UpAxis up, std::optional<double> unit) {
+  if (up == UpAxis::kUnknown) up = scene.up;
+  if (up != UpAxis::kUnknown) scene = TurnedUpright(std::move(scene), up);
+  if (!unit) unit = scene.unit;
+  if (!unit) {
+    if (const std::optional<UnitGuess> guess = GuessUnit(scene)) {
+      unit = guess->unit;
+      scene.notes.push_back(guess->remark);
+    } else {
+      scene.notes.push_back("The unit is not known: give length_unit for sizes in metres.");
+    }
+  }
+  return unit ? Scaled(std::move(scene), *unit) : scene;
 }
 
 }  // namespace mortise::mesh

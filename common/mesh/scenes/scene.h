@@ -22,6 +22,9 @@ struct SceneComponent {
 // The axis that points upwards.
 enum class UpAxis { kUnknown, kX, kY, kZ };
 
+// The axis of a number as contracts have it: 1, 2 and 3 are x, y and z, all else is unknown.
+UpAxis UpAxisOf(int number);
+
 struct Scene {
   std::vector<SceneComponent> components;
   std::optional<double> unit;  // metres for each unit of length, where the file or somebody says so
@@ -62,5 +65,11 @@ struct UnitGuess {
 // (each range with its lower end). Nothing for other sizes, which no unit makes likely, and for a
 // scene without triangles. The rule is our own; a scene's stated unit is not looked at.
 std::optional<UnitGuess> GuessUnit(const Scene& scene);
+
+// The scene in metres with z upwards. `up` and `unit`, metres, are what somebody says of it; where
+// they say nothing the scene itself counts, and then the guess of its unit, which a note tells.
+// Where nothing tells the unit, the scene is not scaled, has no unit, and a note says so; where
+// nothing tells what is up, z is.
+Scene Settled(Scene scene, UpAxis up, std::optional<double> unit);
 
 }  // namespace mortise::mesh

@@ -3,9 +3,11 @@
 #include <set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
+#include "common/mesh/length_unit.h"
 #include "common/resources/collection.h"
 #include "common/resources/resource_tags.h"
 #include "services/catalog/exchange/assembly_import.h"
@@ -53,25 +55,71 @@ absl::StatusOr<std::vector<parametric::Item>> ItemsOf(const Catalog& catalog,
   return std::move(used.items);
 }
 
+// The assembly of a drawing that was read, or why there is none.
 absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
-                                    const v1::ImportAssemblyStepRequest& asked) {
+                                    const absl::StatusOr<Drawing>& read,
+                                    const v1::AssemblyAnnotations& annotations) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Item> items,
-                           ItemsOf(catalog, asked.annotations()));
-  const absl::StatusOr<Drawing> read = catalog.drawings.Read(asked.step(), asked.drawing());
+                           ItemsOf(catalog, annotations));
   if (absl::IsInvalidArgument(read.status())) {
-    return Together(read.status(),
-                    parametric::ToStatus(CheckWithoutDrawing(asked.annotations(), items)));
+    return Together(read.status(), parametric::ToStatus(CheckWithoutDrawing(annotations, items)));
   }
   MORTISE_RETURN_IF_ERROR(read.status());
   const cad::StepAssembly& drawing = **read;
-  DrawnAssembly drawn = MakeAssembly(drawing, asked.annotations(), items);
+  DrawnAssembly drawn = MakeAssembly(drawing, annotations, items);
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(catalog, drawn.assembly));
   AddNewShapes(drawing, bundle);
   const absl::StatusOr<templates::Parametrization> made = Parametrize(catalog, call, bundle);
-  MORTISE_RETURN_IF_ERROR(AtRequest(drawn, asked.annotations(), made.status()));
+  MORTISE_RETURN_IF_ERROR(AtRequest(drawn, annotations, made.status()));
   const std::string held = NoteOnHeldSizes((*made)->HeldSizes());
   if (!held.empty()) drawn.notes.push_back(held);
   return DrawnBundle{std::move(bundle), std::move(drawn.notes)};
+}
+
+// What is drawn, with what is wrong with the rest of the request. What is said of 'step' is said of
+// `file`, the field of the request that has the drawing.
+template <typename Request>
+absl::StatusOr<DrawnBundle> Checked(const Catalog& catalog, const Request& asked,
+                                    absl::StatusOr<DrawnBundle> prepared, const std::string& file,
+                                    const absl::Status& others = absl::OkStatus()) {
+  const absl::Status faults = Together(
+      Together(prepared.ok() ? absl::OkStatus() : SaidOf(prepared.status(), "step", file), others),
+      UnderField("annotations", resources::ValidateTags(asked.annotations())));
+  MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, asked.annotations().name(),
+                                            asked.expected_revision(), faults));
+  return prepared;
+}
+
+// Stores what is drawn.
+template <typename Response, typename Request>
+absl::StatusOr<Response> Import(const rpc::Call& call, const Request& asked, DrawnBundle& drawn,
+                                store::Transaction& transaction) {
+  Response answer;
+  MORTISE_ASSIGN_OR_RETURN(
+      *answer.mutable_assembly(),
+      ImportBundle(transaction, drawn.bundle, asked.expected_revision(), rpc::AuthorOf(call)));
+  answer.mutable_notes()->Assign(drawn.notes.begin(), drawn.notes.end());
+  return answer;
+}
+
+// How a mesh is to be read, with what is wrong with that in `faults`.
+MeshDrawingOptions OptionsOf(const v1::ImportAssemblyMeshRequest& asked, absl::Status& faults) {
+  MeshDrawingOptions options;
+  options.up = mesh::UpAxisOf(asked.up());
+  if (!asked.length_unit().empty()) {
+    const absl::StatusOr<double> metres = mesh::MetresOf(asked.length_unit(), "length_unit");
+    faults = Together(faults, metres.status());
+    if (metres.ok()) options.unit = *metres;
+  }
+  const bool is_count =
+      asked.most_parts() >= 0 && asked.most_parts() <= static_cast<std::int64_t>(kMaxMeshParts);
+  if (!is_count) {
+    faults =
+        Together(faults, InvalidField("most_parts", absl::StrCat("must be 1 to ", kMaxMeshParts)));
+  } else if (asked.most_parts() > 0) {
+    options.most_parts = static_cast<std::size_t>(asked.most_parts());
+  }
+  return options;
 }
 
 }  // namespace
@@ -121,26 +169,34 @@ absl::StatusOr<v1::Assembly> ImportAssembly(const rpc::Call& call,
 
 absl::StatusOr<DrawnBundle> PrepareAssemblyStep(Catalog& catalog, const rpc::Call& call,
                                                 const v1::ImportAssemblyStepRequest& asked) {
-  absl::StatusOr<DrawnBundle> prepared = DrawnOf(catalog, call, asked);
-  // What is said of 'step' is said of the drawing that was uploaded instead.
-  const bool renames = !prepared.ok() && !asked.drawing().empty();
-  const absl::Status faults =
-      Together(renames ? OfUpload(prepared.status()) : prepared.status(),
-               UnderField("annotations", resources::ValidateTags(asked.annotations())));
-  MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, asked.annotations().name(),
-                                            asked.expected_revision(), faults));
-  return prepared;
+  const absl::StatusOr<Drawing> read = catalog.drawings.Read(asked.step(), asked.drawing());
+  return Checked(catalog, asked, DrawnOf(catalog, call, read, asked.annotations()),
+                 asked.drawing().empty() ? "step" : "drawing");
 }
 
 absl::StatusOr<v1::ImportAssemblyStepResponse> ImportAssemblyStep(
     const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked, DrawnBundle& drawn,
     store::Transaction& transaction) {
-  v1::ImportAssemblyStepResponse answer;
-  MORTISE_ASSIGN_OR_RETURN(
-      *answer.mutable_assembly(),
-      ImportBundle(transaction, drawn.bundle, asked.expected_revision(), rpc::AuthorOf(call)));
-  answer.mutable_notes()->Assign(drawn.notes.begin(), drawn.notes.end());
-  return answer;
+  return Import<v1::ImportAssemblyStepResponse>(call, asked, drawn, transaction);
+}
+
+absl::StatusOr<DrawnBundle> PrepareAssemblyMesh(Catalog& catalog, const rpc::Call& call,
+                                                const v1::ImportAssemblyMeshRequest& asked) {
+  const std::string file = asked.drawing().empty() ? "file" : "drawing";
+  absl::Status faults;
+  const MeshDrawingOptions options = OptionsOf(asked, faults);
+  absl::StatusOr<Drawing> read =
+      catalog.drawings.ReadMesh(asked.file(), asked.drawing(), asked.file_name(), options);
+  if (!read.ok()) read = SaidOf(read.status(), "file", file);
+  v1::AssemblyAnnotations annotations = asked.annotations();
+  if (read.ok() && annotations.tolerance() == 0) annotations.set_tolerance(ToleranceOfMesh(**read));
+  return Checked(catalog, asked, DrawnOf(catalog, call, read, annotations), file, faults);
+}
+
+absl::StatusOr<v1::ImportAssemblyMeshResponse> ImportAssemblyMesh(
+    const rpc::Call& call, const v1::ImportAssemblyMeshRequest& asked, DrawnBundle& drawn,
+    store::Transaction& transaction) {
+  return Import<v1::ImportAssemblyMeshResponse>(call, asked, drawn, transaction);
 }
 
 absl::StatusOr<std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>>>

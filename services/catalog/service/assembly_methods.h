@@ -43,6 +43,13 @@ absl::StatusOr<v1::ImportAssemblyStepResponse> ImportAssemblyStep(
     const rpc::Call& call, const v1::ImportAssemblyStepRequest& asked, DrawnBundle& drawn,
     store::Transaction& transaction);
 
+// The same of a mesh.
+absl::StatusOr<DrawnBundle> PrepareAssemblyMesh(Catalog& catalog, const rpc::Call& call,
+                                                const v1::ImportAssemblyMeshRequest& asked);
+absl::StatusOr<v1::ImportAssemblyMeshResponse> ImportAssemblyMesh(
+    const rpc::Call& call, const v1::ImportAssemblyMeshRequest& asked, DrawnBundle& drawn,
+    store::Transaction& transaction);
+
 absl::StatusOr<std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>>>
 UploadDrawing(Catalog& catalog, const rpc::Call& call);
 

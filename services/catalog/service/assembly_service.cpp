@@ -28,6 +28,8 @@ class AssemblyAdapter final : public v1::AssemblyService::CallbackService {
                             methods::ImportAssembly, BadNumbers::kToldWithAllElse)
   MORTISE_PREPARED_MUTATION(ImportAssemblyStep, With(*catalog_, methods::PrepareAssemblyStep),
                             methods::ImportAssemblyStep, BadNumbers::kToldWithAllElse)
+  MORTISE_PREPARED_MUTATION(ImportAssemblyMesh, With(*catalog_, methods::PrepareAssemblyMesh),
+                            methods::ImportAssemblyMesh, BadNumbers::kToldWithAllElse)
   MORTISE_MUTATION(DeleteAssembly, methods::DeleteAssembly)
   MORTISE_UPLOAD(UploadDrawing, With(*catalog_, methods::UploadDrawing))
 

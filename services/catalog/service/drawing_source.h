@@ -1,4 +1,4 @@
-// STEP files of import requests, read: sent with the request, or uploaded before.
+// STEP files and meshes of import requests, read: sent with the request, or uploaded before.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
 #include "common/cad/step/step_assembly.h"
+#include "services/catalog/exchange/mesh_drawing.h"
 
 namespace mortise::store {
 class BlobFolder;
@@ -30,13 +31,23 @@ class DrawingSource {
   // and cad::ReadStepInChild do; INVALID_ARGUMENT, "drawing", for both.
   absl::StatusOr<Drawing> Read(const std::string& step, const std::string& drawing);
 
+  // The same of a mesh (DrawingOfScene), which the whole is called after by `file_name`. Fails as
+  // mesh::ReadScene and DrawingOfScene do, "file"; INVALID_ARGUMENT, "drawing", for both.
+  absl::StatusOr<Drawing> ReadMesh(const std::string& file, const std::string& drawing,
+                                   const std::string& file_name, const MeshDrawingOptions& options);
+
  private:
+  // The bytes that were sent or uploaded; `field` is that of those that were sent.
+  absl::StatusOr<std::string> BytesOf(const std::string& sent, const std::string& drawing,
+                                      const char* field);
+
   store::Store* const store_;
   store::BlobFolder* const blobs_;
   SingleFlightCache<Drawing> read_;  // by digest of the file
 };
 
-// What is said of "step", said of "drawing": of a file that was uploaded.
-absl::Status OfUpload(const absl::Status& status);
+// What is said of the field `from`, said of `to`: of "step", where it is about a mesh ("file") or a
+// file that was uploaded ("drawing").
+absl::Status SaidOf(const absl::Status& status, const std::string& from, const std::string& to);
 
 }  // namespace mortise::catalog

@@ -12,6 +12,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "tests/integration/services/filled_catalog.h"
+#include "tests/support/box_scenes.h"
 
 namespace mortise::cli {
 namespace {
@@ -96,6 +97,32 @@ TEST_F(AssemblyCommand, ImportsDrawingsThatOutgrowAMessage) {
   EXPECT_THAT(Refusal({"import", cut}), HasSubstr("cut.step"));
   const std::string huge = File("huge.step", std::string((64 << 20) + 1, ' '));
   EXPECT_THAT(Refusal({"import", huge}), AllOf(HasSubstr("huge.step"), HasSubstr("67108864")));
+}
+
+TEST_F(AssemblyCommand, ImportsMeshes) {
+  const std::string table =
+      mortise::testing::ObjOf(mortise::testing::OneComponent(mortise::testing::TableParts()), 1000);
+  const std::string file = File("Old Table.obj", table);
+  const auto imported = Run({"import", file, "--unit", "mm", "--up", "z", "--label", "site=web",
+                             "--external-id", "web-17"});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_EQ((*imported)[0]["name"], "assemblies/old-table");
+  const auto wider = Run({"adjust", "old-table", "--set", "part 1.x=1.5", "--glb",
+                          (folder_.path() / "t.glb").string()});
+  ASSERT_TRUE(wider.ok()) << wider.status();
+  EXPECT_EQ((*wider)["parts"].size(), 5u);
+  const auto few = Run({"import", file, "--unit", "mm", "--most-parts", "2", "--id", "few"});
+  ASSERT_TRUE(few.ok()) << few.status();
+  const auto shown = Run({"show", "few"});
+  ASSERT_TRUE(shown.ok()) << shown.status();
+
+  EXPECT_THAT(Refusal({"import", file, "--unit", "cubit"}), HasSubstr("--unit"));
+  EXPECT_THAT(Refusal({"import", file, "--up", "w"}), HasSubstr("--up"));
+  EXPECT_THAT(Refusal({"import", file, "--most-parts", "500"}), HasSubstr("--most-parts"));
+  EXPECT_THAT(Refusal({"import", file, file, "--unit", "mm"}), HasSubstr("--unit"));
+  EXPECT_THAT(Refusal({"import", Collection() + "/drawings/wall_shelf.step", "--unit", "mm"}),
+              HasSubstr("--unit"));
+  EXPECT_THAT(Refusal({"import", File("empty.ply", "")}), HasSubstr("empty.ply"));
 }
 
 TEST_F(AssemblyCommand, AdjustsGoesOnFromThereAndWritesFiles) {

@@ -84,5 +84,31 @@ TEST(UnitGuess, SaysThatItIsAGuess) {
             "The unit is a guess: millimetres, as the surface measures 812 across.");
 }
 
+TEST(Settled, TakesWhatIsSaidBeforeWhatTheFileSays) {
+  Scene scene = OfDiagonal(std::sqrt(2.0));
+  scene.unit = 0.001;
+  scene.up = UpAxis::kY;
+  const Scene as_filed = Settled(scene, UpAxis::kUnknown, std::nullopt);
+  EXPECT_NEAR(BoxOf(as_filed).sizes().x(), 0.001, 1e-15);
+  EXPECT_NEAR(BoxOf(as_filed).sizes().z(), 0.001, 1e-15);
+  EXPECT_TRUE(as_filed.notes.empty());
+  const Scene as_said = Settled(scene, UpAxis::kZ, 0.01);
+  EXPECT_NEAR(BoxOf(as_said).sizes().y(), 0.01, 1e-15);
+}
+
+TEST(Settled, TellsWhatItGuessesOrDoesNotKnow) {
+  const Scene guessed = Settled(OfDiagonal(1200), UpAxis::kUnknown, std::nullopt);
+  EXPECT_EQ(guessed.unit, 1);
+  EXPECT_EQ(guessed.notes.size(), 1u);
+  const Scene unknown = Settled(OfDiagonal(1e6), UpAxis::kUnknown, std::nullopt);
+  EXPECT_FALSE(unknown.unit);
+  EXPECT_EQ(unknown.notes.size(), 1u);
+}
+
+TEST(UpAxis, IsNumberedAsInContracts) {
+  EXPECT_EQ(UpAxisOf(2), UpAxis::kY);
+  for (const int number : {-1, 0, 4}) EXPECT_EQ(UpAxisOf(number), UpAxis::kUnknown);
+}
+
 }  // namespace
 }  // namespace mortise::mesh
