@@ -46,7 +46,7 @@ SurfaceSamples::SurfaceSamples(const Eigen::Matrix3Xd& vertices, const Eigen::Ma
   double total = 0;
   for (const auto& corners : triangles.colwise()) total += DoubledNormal(vertices, corners).norm();
   const double first = Offset(seed, 0), second = Offset(seed, 1);
-  std::vector<Eigen::Vector3i> chosen;
+  std::vector<int> chosen;
   Eigen::Index next = 0;
   double below = 0;
   for (Eigen::Index t = 0; t < triangles.cols() && next < count; ++t) {
@@ -58,10 +58,10 @@ SurfaceSamples::SurfaceSamples(const Eigen::Matrix3Xd& vertices, const Eigen::Ma
       triangle_of_[next] = static_cast<int>(chosen.size());
       barycentric_.col(next) = FoldIntoTriangle(u - std::floor(u), v - std::floor(v));
     }
-    if (next > begin) chosen.emplace_back(triangles.col(t));
+    if (next > begin) chosen.push_back(static_cast<int>(t));
   }
-  triangles_.resize(3, static_cast<Eigen::Index>(chosen.size()));
-  for (std::size_t t = 0; t < chosen.size(); ++t) triangles_.col(Eigen::Index(t)) = chosen[t];
+  numbers_ = Eigen::Map<const Eigen::VectorXi>(chosen.data(), Eigen::Index(chosen.size()));
+  triangles_ = triangles(Eigen::all, numbers_);
   first_areas_ = Areas(vertices);
 }
 

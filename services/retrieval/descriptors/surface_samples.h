@@ -37,6 +37,10 @@ class SurfaceSamples {
 
   Eigen::Index size() const { return triangle_of_.size(); }
 
+  // The triangle that point i lies on, by its place among those given, and where on it.
+  int TriangleOf(Eigen::Index i) const { return numbers_[triangle_of_[i]]; }
+  Eigen::Vector3d BarycentricOf(Eigen::Index i) const { return barycentric_.col(i); }
+
   // The points at these vertices. The weights are all zero if the points' triangles have no area.
   WeightedPoints At(const Eigen::Matrix3Xd& vertices) const;
 
@@ -48,6 +52,7 @@ class SurfaceSamples {
   Eigen::VectorXd Areas(const Eigen::Matrix3Xd& vertices) const;
 
   Eigen::Matrix3Xi triangles_;    // 3 × T', those that have points
+  Eigen::VectorXi numbers_;       // T', their places among those given
   Eigen::VectorXd first_areas_;   // T', when the points were chosen
   Eigen::VectorXi triangle_of_;   // n, index into triangles_
   Eigen::Matrix3Xd barycentric_;  // 3 × n
