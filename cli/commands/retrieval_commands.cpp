@@ -19,6 +19,9 @@
 namespace mortise::cli {
 namespace {
 
+constexpr double kSeconds = 60;  // that a search may take
+constexpr double kSecondsWithFits = 300;
+
 struct SearchOptions {
   std::string mesh;
   std::string design;
@@ -29,6 +32,7 @@ struct SearchOptions {
   int top = 10;
   std::vector<std::string> templates;
   std::filesystem::path sheet;
+  bool fit = false;
 };
 
 struct IndexOptions {
@@ -78,6 +82,7 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) 
   request.set_shape_descriptor(descriptor);
   request.set_limit(options.top);
   request.set_with_sheet(!options.sheet.empty());
+  request.set_fit(options.fit);
   for (const std::string& name : options.templates) {
     request.add_templates(ResourceName("templates", name));
   }
@@ -107,14 +112,25 @@ std::string TextOf(const google::protobuf::RepeatedPtrField<v1::ParameterValue>&
   return text;
 }
 
+// How far a fitted design is off, and what of it the query lacks.
+std::string RemainderOf(const v1::ShapeFit& fit) {
+  if (!fit.fault().empty()) return absl::StrCat("no fit: ", fit.fault());
+  std::string text =
+      absl::StrFormat("%.3g mm, beyond %.3g mm", 1000 * fit.remaining(), 1000 * fit.beyond());
+  if (fit.scale_is_free()) absl::StrAppendFormat(&text, ", scale %.4g", fit.scale());
+  return text;
+}
+
 absl::Status Search(const SearchOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(const v1::SearchShapesRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
   v1::SearchShapesResponse found;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->SearchShapes(&context, request, &found));
-  }));
+  MORTISE_RETURN_IF_ERROR(client->Call(
+      [&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(stub->SearchShapes(&context, request, &found));
+      },
+      options.fit ? kSecondsWithFits : kSeconds));
   if (!options.sheet.empty()) {
     MORTISE_RETURN_IF_ERROR(WriteFile(options.sheet, found.sheet()));
     found.clear_sheet();
@@ -124,6 +140,11 @@ absl::Status Search(const SearchOptions& options, Session& session, Output& outp
     rows.push_back({match.template_(), absl::StrFormat("%.4g", match.distance()),
                     match.turn() == 0 ? "" : absl::StrCat(match.turn(), "°"),
                     TextOf(match.parameters())});
+    if (!options.fit) continue;
+    const v1::ShapeFit& fit = match.fit();
+    rows.push_back({"  fitted", RemainderOf(fit),
+                    fit.fault().empty() ? absl::StrFormat("%.3g°", fit.turn()) : "",
+                    TextOf(fit.parameters())});
   }
   output.Table({"template", "distance", "turned", "parameters"}, rows);
   for (const std::string& note : found.notes()) output.Line(note);
@@ -199,6 +220,7 @@ void AddSearch(CLI::App& app, Session& session) {
   search->add_option("--up", options->up, "Axis of the mesh that points upwards: x, y or z");
   search->add_option("--top", options->top, "How many matches")->capture_default_str();
   search->add_option("--template", options->templates, "Only this template; may be repeated");
+  search->add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
   search->add_option("--sheet", options->sheet, "PNG file for a picture of the matches");
   search->footer("Example: mortise search chair.obj --top 5 --sheet out.png");
   search->callback([&session, options] {

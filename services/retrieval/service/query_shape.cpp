@@ -61,11 +61,13 @@ absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query) {
   absl::StatusOr<mesh::Scene> read = mesh::ReadScene(query.file(), query.file_name());
   if (absl::IsInvalidArgument(read.status())) return UnderField("mesh", read.status());
   MORTISE_RETURN_IF_ERROR(read.status());
+  const bool unit_is_known = unit->has_value() || read->unit.has_value();
   mesh::Scene scene = Settled(*std::move(read), query.up(), *unit);
   mesh::SceneComponent joined = mesh::Joined(scene);
   return QueryShape{.surface = {std::move(joined.vertices), std::move(joined.triangles)},
                     .notes = std::move(scene.notes),
-                    .title = query.file_name()};
+                    .title = query.file_name(),
+                    .unit_is_known = unit_is_known};
 }
 
 absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSource& templates,

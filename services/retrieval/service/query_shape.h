@@ -16,6 +16,7 @@ struct QueryShape {
   mesh::SurfaceMesh surface;       // metres where the unit is known, z upwards
   std::vector<std::string> notes;  // what became of it, for people
   std::string title;               // of the file or template
+  bool unit_is_known = true;       // rather than guessed, or not even that
 };
 
 // The shape that a request describes. INVALID_ARGUMENT naming "mesh.file", "mesh.length_unit",

@@ -12,6 +12,7 @@
 #include "common/resources/resource_filter.h"
 #include "services/retrieval/families/design_surface.h"
 #include "services/retrieval/families/match_sheet.h"
+#include "services/retrieval/service/match_fits.h"
 #include "services/retrieval/service/query_shape.h"
 #include "services/retrieval/service/template_names.h"
 
@@ -27,6 +28,8 @@ absl::Status CheckSearch(const v1::SearchShapesRequest& request) {
   absl::Status status;
   if (request.limit() < 0 || request.limit() > kMaxLimit) {
     status = InvalidField("limit", absl::StrCat("must be 0 to ", kMaxLimit));
+  } else if (request.fit() && request.limit() > kMostFits) {
+    status = InvalidField("limit", absl::StrCat("must be 0 to ", kMostFits, " with fit"));
   }
   status = Together(status, CheckTemplateNames(request.templates()));
   return Together(status, resources::ResourceFilter::Of(request).status());
@@ -84,11 +87,14 @@ absl::StatusOr<mesh::SurfaceMesh> SurfaceOf(const v1::ShapeMatch& match, const R
   return DesignSurface(design);
 }
 
+std::string CaptionOf(const QueryShape& query) {
+  return query.title.empty() ? "query" : absl::StrCat("query: ", query.title);
+}
+
 absl::StatusOr<std::string> DrawSheet(const QueryShape& query,
                                       const v1::SearchShapesResponse& response,
                                       const Retrieval& retrieval, const rpc::Origin& origin) {
-  std::vector<SheetEntry> entries = {
-      {query.surface, query.title.empty() ? "query" : absl::StrCat("query: ", query.title)}};
+  std::vector<SheetEntry> entries = {{query.surface, CaptionOf(query)}};
   for (const v1::ShapeMatch& match : response.matches()) {
     if (entries.size() > kMaxDrawn) break;
     MORTISE_ASSIGN_OR_RETURN(mesh::SurfaceMesh surface, SurfaceOf(match, retrieval, origin));
@@ -139,9 +145,16 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   }
   response.set_shape_descriptor(index->record.shape_descriptor());
   response.set_families(index->record.family_count());
+  std::vector<FitSheetEntry> fitted;
+  if (request.fit()) {
+    MORTISE_ASSIGN_OR_RETURN(fitted, FitMatches({*query, wanted.descriptors, *index, found},
+                                                retrieval.templates, origin, call, &response));
+  }
   if (request.with_sheet()) {
     MORTISE_ASSIGN_OR_RETURN(*response.mutable_sheet(),
-                             DrawSheet(*query, response, retrieval, origin));
+                             fitted.empty()
+                                 ? DrawSheet(*query, response, retrieval, origin)
+                                 : DrawFitSheet({query->surface, CaptionOf(*query)}, fitted));
   }
   return response;
 }

@@ -1,0 +1,40 @@
+// Fits the designs of matches to the query.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/rpc/call.h"
+#include "common/rpc/channel.h"
+#include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/families/fit_sheet.h"
+#include "services/retrieval/index/primitive_index.h"
+#include "services/retrieval/service/loaded_indexes.h"
+#include "services/retrieval/service/query_shape.h"
+#include "services/retrieval/service/template_source.h"
+
+namespace mortise::retrieval {
+
+inline constexpr int kMostFits = 20;  // matches of one search
+
+// What fits begin with.
+struct FitTask {
+  const QueryShape& query;
+  const std::vector<Eigen::VectorXd>& descriptors;  // of the query, at each turn
+  const LoadedIndex& index;
+  const std::vector<IndexMatch>& matches;
+};
+
+// Fits the family of each match, from its nearest primitives on, several families at a time, and
+// tells of it in the match of the response, in their order. A fit that fails is told there, and the
+// match stays. Returns the designs that were fitted, where they stand in the query's frame, without
+// those that failed. CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog is.
+absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
+                                                      TemplateSource& templates,
+                                                      const rpc::Origin& origin,
+                                                      const rpc::Call& call,
+                                                      v1::SearchShapesResponse* response);
+
+}  // namespace mortise::retrieval
