@@ -47,7 +47,8 @@ absl::Status Failed(const std::string& why) {
 
 }  // namespace
 
-LinearProgramme::LinearProgramme(std::unique_ptr<ClpSimplex> solver) : solver_(std::move(solver)) {}
+LinearProgramme::LinearProgramme(std::unique_ptr<ClpSimplex> solver, Eigen::VectorXd lengths)
+    : solver_(std::move(solver)), lengths_(std::move(lengths)) {}
 LinearProgramme::LinearProgramme(LinearProgramme&&) noexcept = default;
 LinearProgramme& LinearProgramme::operator=(LinearProgramme&&) noexcept = default;
 LinearProgramme::~LinearProgramme() = default;
@@ -80,7 +81,7 @@ absl::StatusOr<LinearProgramme> LinearProgramme::Create(const Eigen::MatrixXd& i
     solver->scaling(0);
     solver->setPrimalTolerance(kTolerance);
     solver->setDualTolerance(kTolerance);
-    return LinearProgramme(std::move(solver));
+    return LinearProgramme(std::move(solver), lengths);
   } catch (const CoinError& error) {
     return Failed(error.message());
   }
@@ -109,6 +110,16 @@ absl::StatusOr<std::optional<Eigen::VectorXd>> LinearProgramme::Furthest(
     default:
       return Failed(absl::StrCat("status ", solver_->status()));
   }
+}
+
+absl::StatusOr<std::optional<ProgrammeCorner>> LinearProgramme::FurthestCorner(
+    const Eigen::VectorXd& direction) {
+  MORTISE_ASSIGN_OR_RETURN(auto furthest, Furthest(direction));
+  if (!furthest) return std::optional<ProgrammeCorner>();
+  const Eigen::Map<const Eigen::VectorXd> prices(solver_->dualRowSolution(), solver_->numberRows());
+  // Clp's prices have the sign of a minimum.
+  return std::optional<ProgrammeCorner>(
+      {*std::move(furthest), prices.cwiseAbs().cwiseQuotient(lengths_)});
 }
 
 }  // namespace mortise::parametric

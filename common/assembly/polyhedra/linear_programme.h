@@ -14,6 +14,14 @@ class ClpSimplex;
 
 namespace mortise::parametric {
 
+// A furthest point, and what holds it back.
+struct ProgrammeCorner {
+  Eigen::VectorXd point;
+  // One an inequality, none negative: direction = inequalitiesᵀ · multipliers, so that by them no
+  // point can lie further. They are 0 where an inequality does not hold with equality.
+  Eigen::VectorXd multipliers;
+};
+
 class LinearProgramme {
  public:
   // Makes a programme over inequalities · x <= bounds, which must have a point, with no entry of x
@@ -34,10 +42,14 @@ class LinearProgramme {
   // solver from ending.
   absl::StatusOr<std::optional<Eigen::VectorXd>> Furthest(const Eigen::VectorXd& direction);
 
+  // The same with the inequalities' multipliers, for programmes without a reach.
+  absl::StatusOr<std::optional<ProgrammeCorner>> FurthestCorner(const Eigen::VectorXd& direction);
+
  private:
-  explicit LinearProgramme(std::unique_ptr<ClpSimplex> solver);
+  LinearProgramme(std::unique_ptr<ClpSimplex> solver, Eigen::VectorXd lengths);
 
   std::unique_ptr<ClpSimplex> solver_;
+  Eigen::VectorXd lengths_;  // of the rows, which the solver has as unit rows
 };
 
 }  // namespace mortise::parametric
