@@ -12,8 +12,7 @@ namespace mortise::retrieval {
 // What a FunctionManifold is made of. Functions are called on several threads at once.
 struct ManifoldFunctions {
   Eigen::VectorXd lower, upper;  // K: the box
-  // Cut the box, besides; none by default. What they leave must not be a tiny part of the box, as
-  // samples are drawn in it until they fit.
+  // Cut the box, besides; none by default. They must leave something of it.
   LinearConstraints cuts = {};
   Eigen::Index dimension = 0;  // N
   std::function<absl::StatusOr<Eigen::VectorXd>(const Eigen::VectorXd&)> evaluate;
@@ -22,8 +21,8 @@ struct ManifoldFunctions {
   double noise = 1e-12;
 };
 
-// See manifold.h. Sample fails (FAILED_PRECONDITION) where the cuts leave less than a
-// ten-thousandth of the box.
+// See manifold.h. Sample fails (FAILED_PRECONDITION, POLYHEDRON_EMPTY) where the cuts leave
+// nothing.
 class FunctionManifold : public Manifold {
  public:
   explicit FunctionManifold(ManifoldFunctions functions);

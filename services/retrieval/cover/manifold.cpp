@@ -24,6 +24,15 @@ LinearConstraints BoxConstraints(const VectorXd& lower, const VectorXd& upper) {
   return box;
 }
 
+LinearConstraints BothConstraints(const LinearConstraints& a, const LinearConstraints& b) {
+  LinearConstraints both;
+  both.normals.resize(a.normals.rows() + b.normals.rows(), a.normals.cols());
+  both.normals << a.normals, b.normals;
+  both.bounds.resize(a.bounds.size() + b.bounds.size());
+  both.bounds << a.bounds, b.bounds;
+  return both;
+}
+
 double RoomAlong(const LinearConstraints& constraints, const VectorXd& q,
                  const VectorXd& direction) {
   const VectorXd rates = constraints.normals * direction;

@@ -20,6 +20,9 @@ struct LinearConstraints {
 // The constraints of a box: lower <= q <= upper, 2 K rows.
 LinearConstraints BoxConstraints(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
+// What keeps both.
+LinearConstraints BothConstraints(const LinearConstraints& a, const LinearConstraints& b);
+
 // How far q may go along `direction`, as a multiple of it, until it meets a constraint; 0 where it
 // stands on one. Infinity if nothing stops it.
 double RoomAlong(const LinearConstraints& constraints, const Eigen::VectorXd& q,
@@ -33,6 +36,7 @@ absl::StatusOr<Eigen::VectorXd> ExtentsOf(const LinearConstraints& constraints);
 struct Derivatives {
   Eigen::MatrixXd first;   // N × K: column k is ∂M/∂q_k
   Eigen::MatrixXd second;  // N × K: column k is ∂²M/∂q_k²
+  long evaluations = 0;    // as many as they took, or as much work
 };
 
 // A family's manifold. All methods may be called on several threads at once, and answer the same

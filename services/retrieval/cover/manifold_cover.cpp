@@ -84,6 +84,8 @@ class PrimitiveMaker {
                                  ? manifold.DerivativesAt(sample_.parameters)
                                  : CentralDifferences(evaluator_, sample_.parameters, sample_.value,
                                                       DifferenceSteps(extents_, manifold.noise()));
+    if (manifold.OffersDerivatives() && derivatives.ok())
+      evaluator_.CountOthers(derivatives->evaluations);
     if (!derivatives.ok() || !derivatives->first.allFinite() || !derivatives->second.allFinite())
       return false;
     const double error = manifold.OffersDerivatives() ? 0 : DerivativeError(manifold.noise());

@@ -24,6 +24,9 @@ class ParallelEvaluator {
   // an error as well (INTERNAL).
   std::vector<absl::StatusOr<Eigen::VectorXd>> Evaluate(const std::vector<Eigen::VectorXd>& points);
 
+  // Counts evaluations that were made elsewhere.
+  void CountOthers(long evaluations) { evaluations_ += evaluations; }
+
   const Manifold& manifold() const { return manifold_; }
   int threads() const { return threads_; }
   long evaluations() const { return evaluations_; }
