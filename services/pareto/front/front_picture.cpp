@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/render/axis_numbers.h"
+#include "common/render/chart.h"
 #include "services/pareto/archive/embedding.h"
 
 namespace mortise::pareto {
@@ -23,6 +24,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 using render::Color;
 using render::Drawing;
+using render::Frame;
 
 constexpr int kWidth = 1320, kHeight = 520;
 constexpr double kPanelWidth = 400, kPanelHeight = 372, kPanelTop = 76, kPanelGap = 34;
@@ -35,17 +37,6 @@ constexpr double kVarying = 0.01;  // of a parameter's range
 constexpr double kDarkJump = 0.2;  // where nothing jumps further, this would be darkest
 constexpr double kDarkest = 0.75;  // mixture with black
 constexpr Color kInk{0.125, 0.137, 0.165}, kGrid{0.86, 0.87, 0.89}, kRest{0.62, 0.62, 0.62};
-
-// A rectangle of the drawing, and its name above it.
-struct Panel {
-  double left, top, width, height;
-
-  Vector2d At(double x, double y) const { return {left + x * width, top + (1 - y) * height}; }
-  Vector2d Middle() const { return At(0.5, 0.5); }
-  Panel Within(double on_left, double on_right, double above, double below) const {
-    return {left + on_left, top + above, width - on_left - on_right, height - above - below};
-  }
-};
 
 // What values span, a little more than nothing.
 struct Span {
@@ -124,41 +115,20 @@ std::vector<Index> InOrder(Index count) {
 }
 
 // Points of the plane on two axes.
-void DrawScatter(Drawing& drawing, const Panel& whole, const MatrixXd& values,
+void DrawScatter(Drawing& drawing, const Frame& whole, const MatrixXd& values,
                  const std::string& x_label, const std::string& y_label, const Colours& colours) {
-  const Panel panel = whole.Within(58, 10, 22, 40);
   const Span x(values.row(0)), y(values.row(1));
-  const auto place = [&](double a, double b) {
-    return panel.At(0.03 + 0.94 * x.Share(a), 0.03 + 0.94 * y.Share(b));
-  };
-  const std::vector<double> x_ticks = render::NiceTicks(x.least, x.most, 4);
-  const std::vector<std::string> x_texts = render::ShortNumbers(x_ticks);
-  for (std::size_t i = 0; i < x_ticks.size(); ++i) {
-    const double at = place(x_ticks[i], y.least).x();
-    drawing.Add(Drawing::Line{{{at, panel.top}, {at, panel.top + panel.height}}, kGrid, 1});
-    Write(drawing, {at, panel.top + panel.height + 16}, x_texts[i], kSmallFont,
-          Drawing::Anchor::kMiddle);
-  }
-  const std::vector<double> y_ticks = render::NiceTicks(y.least, y.most, 5);
-  const std::vector<std::string> y_texts = render::ShortNumbers(y_ticks);
-  for (std::size_t i = 0; i < y_ticks.size(); ++i) {
-    const double at = place(x.least, y_ticks[i]).y();
-    drawing.Add(Drawing::Line{{{panel.left, at}, {panel.left + panel.width, at}}, kGrid, 1});
-    Write(drawing, {panel.left - 6, at + 4}, y_texts[i], kSmallFont, Drawing::Anchor::kEnd);
-  }
-  drawing.Add(Drawing::Line{{panel.At(0, 1), panel.At(0, 0), panel.At(1, 0)}, kInk, 1});
-  Write(drawing, {whole.left, whole.top + 12}, render::Shortened(y_label, kFont, whole.width));
-  Write(drawing, {panel.left + panel.width, whole.top + whole.height - 4},
-        render::Shortened(x_label, kFont, panel.width), kFont, Drawing::Anchor::kEnd);
+  const render::Axes axes(whole, {x.least, x.most}, {y.least, y.most});
+  axes.Draw(drawing, x_label, y_label);
   std::vector<Vector2d> places;
-  for (Index i = 0; i < values.cols(); ++i) places.push_back(place(values(0, i), values(1, i)));
+  for (Index i = 0; i < values.cols(); ++i) places.push_back(axes.At(values(0, i), values(1, i)));
   DrawPoints(drawing, places, colours, InOrder(values.cols()));
 }
 
 // Points of space within a box, looked at along its diagonal from (1, 1, 1).
-void DrawBox(Drawing& drawing, const Panel& whole, const MatrixXd& values,
+void DrawBox(Drawing& drawing, const Frame& whole, const MatrixXd& values,
              const std::vector<std::string>& labels, const Colours& colours) {
-  const Panel panel = whole.Within(20, 20, 24, 44);
+  const Frame panel = whole.Within(20, 20, 24, 44);
   const double size = std::min(panel.height / 2, panel.width / std::sqrt(3.0));
   const Vector2d origin = panel.Middle();
   const auto place = [&](double x, double y, double z) -> Vector2d {
@@ -200,9 +170,9 @@ void DrawBox(Drawing& drawing, const Panel& whole, const MatrixXd& values,
 }
 
 // An upright axis for each metric, and a line through the values of each point.
-void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& front,
+void DrawParallelAxes(Drawing& drawing, const Frame& whole, const FrontPicture& front,
                       const Colours& colours) {
-  const Panel panel = whole.Within(24, 24, 62, 22);
+  const Frame panel = whole.Within(24, 24, 62, 22);
   const Index d = front.metrics.rows(), count = front.metrics.cols();
   std::vector<Span> spans;
   for (Index m = 0; m < d; ++m) spans.emplace_back(front.metrics.row(m));
@@ -247,7 +217,7 @@ void DrawParallelAxes(Drawing& drawing, const Panel& whole, const FrontPicture& 
   }
 }
 
-void DrawPerformance(Drawing& drawing, const Panel& panel, const FrontPicture& front,
+void DrawPerformance(Drawing& drawing, const Frame& panel, const FrontPicture& front,
                      const Colours& colours) {
   const Index d = front.metrics.rows();
   if (d == 2) {
@@ -295,7 +265,7 @@ MatrixXd PrincipalComponents(const FrontPicture& front, const std::vector<Index>
   return components;
 }
 
-void DrawDesigns(Drawing& drawing, const Panel& panel, const FrontPicture& front,
+void DrawDesigns(Drawing& drawing, const Frame& panel, const FrontPicture& front,
                  const Colours& colours) {
   std::vector<Index> varying = Varying(front, kVarying);
   if (varying.empty()) varying = Varying(front, 0);
@@ -329,9 +299,9 @@ std::string Best(const FrontPicture& front, Index metric) {
 
 // A stripe for each point, from where the first metric is worst to where it is best: half way to
 // its neighbours, but where these are far away.
-void DrawBar(Drawing& drawing, const Panel& whole, const FrontPicture& front,
+void DrawBar(Drawing& drawing, const Frame& whole, const FrontPicture& front,
              const Colours& colours) {
-  const Panel bar = whole.Within(16, 16, 0.36 * whole.height, 0.36 * whole.height);
+  const Frame bar = whole.Within(16, 16, 0.36 * whole.height, 0.36 * whole.height);
   drawing.Add(Drawing::Area{{bar.At(0, 0), bar.At(1, 0), bar.At(1, 1), bar.At(0, 1)}, kGrid});
   std::vector<Index> order = InOrder(front.embedding.cols());
   std::ranges::stable_sort(order, {}, [&](Index i) { return front.embedding(0, i); });
@@ -350,9 +320,9 @@ void DrawBar(Drawing& drawing, const Panel& whole, const FrontPicture& front,
 }
 
 // Each point between the corners, which are the axes of performance, by its part of each.
-void DrawTriangle(Drawing& drawing, const Panel& whole, const FrontPicture& front,
+void DrawTriangle(Drawing& drawing, const Frame& whole, const FrontPicture& front,
                   const Colours& colours) {
-  const Panel panel = whole.Within(30, 30, 30, 40);
+  const Frame panel = whole.Within(30, 30, 30, 40);
   const double side = std::min(panel.width, panel.height / std::sqrt(0.75));
   const Vector2d middle = panel.At(0.5, 0);
   const std::vector<Vector2d> corners = {middle + Vector2d(-0.5 * side, 0),
@@ -377,9 +347,9 @@ void DrawTriangle(Drawing& drawing, const Panel& whole, const FrontPicture& fron
 }
 
 // Between the corners of a regular polygon by how good each metric is.
-void DrawPolygon(Drawing& drawing, const Panel& whole, const FrontPicture& front,
+void DrawPolygon(Drawing& drawing, const Frame& whole, const FrontPicture& front,
                  const Colours& colours) {
-  const Panel panel = whole.Within(20, 20, 46, 30);
+  const Frame panel = whole.Within(20, 20, 46, 30);
   const Index d = front.metrics.rows();
   const double radius = 0.44 * std::min(panel.width, panel.height);
   std::vector<Vector2d> corners;
@@ -426,7 +396,7 @@ void DrawPolygon(Drawing& drawing, const Panel& whole, const FrontPicture& front
   }
 }
 
-void DrawEmbedding(Drawing& drawing, const Panel& panel, const FrontPicture& front,
+void DrawEmbedding(Drawing& drawing, const Frame& panel, const FrontPicture& front,
                    const Colours& colours) {
   const Index d = front.metrics.rows();
   if (d == 2) return DrawBar(drawing, panel, front, colours);
@@ -463,7 +433,7 @@ render::Drawing DrawFront(const FrontPicture& front) {
   const auto panel = [&](int column, const char* name) {
     const double left = 30 + column * (kPanelWidth + kPanelGap);
     Write(drawing, {left, 56}, name, 14);
-    return Panel{left, kPanelTop, kPanelWidth, kPanelHeight};
+    return Frame{left, kPanelTop, kPanelWidth, kPanelHeight};
   };
   DrawDesigns(drawing, panel(0, "Designs"), front, colours);
   DrawPerformance(drawing, panel(1, "Performance"), front, colours);
