@@ -5,7 +5,6 @@
 
 #include "common/base/errors.h"
 #include "common/render/camera.h"
-#include "common/render/image.h"
 #include "common/render/scene.h"
 
 namespace mortise::retrieval {
@@ -17,8 +16,10 @@ constexpr int kColumns = 4;
 constexpr render::Color kQueryColor{0.55, 0.72, 0.52};
 constexpr render::Color kMatchColor{0.72, 0.76, 0.82};
 
+}  // namespace
+
 absl::StatusOr<render::Image> DrawSurface(const mesh::SurfaceMesh& surface,
-                                          const render::Color& color) {
+                                          const render::Color& color, int width, int height) {
   if (surface.triangles.cols() == 0) return InvalidField("surface", "has no triangles");
   render::Scene scene;
   render::Shape shape;
@@ -28,11 +29,9 @@ absl::StatusOr<render::Image> DrawSurface(const mesh::SurfaceMesh& surface,
   shape.edge_width = 1;
   scene.shapes.push_back(std::move(shape));
   scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
-                                   static_cast<double>(kWidth) / kHeight);
-  return render::Render(scene, {.width = kWidth, .height = kHeight, .supersample = 2});
+                                   static_cast<double>(width) / height);
+  return render::Render(scene, {.width = width, .height = height, .supersample = 2});
 }
-
-}  // namespace
 
 absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entries) {
   std::vector<render::Image> pictures;
@@ -40,7 +39,7 @@ absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entrie
   for (const SheetEntry& entry : entries) {
     MORTISE_ASSIGN_OR_RETURN(
         render::Image picture,
-        DrawSurface(entry.surface, pictures.empty() ? kQueryColor : kMatchColor));
+        DrawSurface(entry.surface, pictures.empty() ? kQueryColor : kMatchColor, kWidth, kHeight));
     pictures.push_back(std::move(picture));
     captions.push_back(entry.caption);
   }

@@ -6,8 +6,14 @@
 
 #include "absl/status/statusor.h"
 #include "common/mesh/surface_mesh.h"
+#include "common/render/image.h"
 
 namespace mortise::retrieval {
+
+// A shape from above and the front right, as large as it fits. INVALID_ARGUMENT for an empty
+// surface; sizes in pixels, as render::RenderOptions.
+absl::StatusOr<render::Image> DrawSurface(const mesh::SurfaceMesh& surface,
+                                          const render::Color& color, int width, int height);
 
 struct SheetEntry {
   mesh::SurfaceMesh surface;

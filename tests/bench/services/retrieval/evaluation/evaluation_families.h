@@ -1,0 +1,51 @@
+// The families that the evaluation searches, with what is known of them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/templates/template.h"
+
+namespace mortise::retrieval {
+
+struct EvaluationFamily {
+  std::string name;      // "table"
+  std::string category;  // one of ThesisCategories, or another
+  // Families of one kin are one and the same for who looks for a shape: an assembly, its own
+  // template, and templates made of it. Whichever of them is found is right.
+  std::string kin;
+  std::string author;  // of the mesh that it was made of; empty where we drew it
+  std::string mesh;    // the LabelledShape that it was made of; empty where we drew it
+  std::shared_ptr<const templates::Template> function;
+};
+
+// "lamp", "boat", "chair", "plane", "cart", "table": those of Table 4.1, in its order.
+const std::vector<std::string>& ThesisCategories();
+
+// The families of collection/ with these names, all that can be made where none are named.
+// NOT_FOUND for a name that there is not; as templates::Compile.
+absl::StatusOr<std::vector<EvaluationFamily>> ShippedFamilies(
+    const std::vector<std::string>& names = {});
+
+// The shipped assembly of this name as a template of its `parameters` largest independent sizes.
+// NOT_FOUND; FAILED_PRECONDITION where it has fewer.
+absl::StatusOr<EvaluationFamily> ShippedAssemblyOf(const std::string& name, int parameters);
+
+// A design of a family at parameters drawn evenly from their ranges.
+struct RandomDesign {
+  Eigen::VectorXd q;
+  mesh::SurfaceMesh surface;
+};
+
+// `count` of them that can be made; fewer where 50 times as many draws do not find so many.
+std::vector<RandomDesign> RandomDesigns(const EvaluationFamily& family, int count,
+                                        std::uint64_t seed);
+
+// The surface at the defaults: the mean shape of thesis §4.7.2.
+absl::StatusOr<mesh::SurfaceMesh> MeanShape(const EvaluationFamily& family);
+
+}  // namespace mortise::retrieval
