@@ -120,7 +120,7 @@ absl::Status WriteAccuracy(Study& study, ResultFolder& results) {
            first ? study.effort().accuracy_deltas : study.effort().other_accuracy_deltas) {
         study.Say(absl::StrFormat("errors of %s by %s at %g", Titled(kind), by->properties().name,
                                   scales));
-        const int samples = study.effort().accuracy_samples / (first ? 1 : 4);
+        const int samples = study.effort().accuracy_samples / (first ? 1 : 3);
         MORTISE_ASSIGN_OR_RETURN(
             const Accuracy each,
             MeasureAccuracy(study, *manifold, Study::DeltaOf(*by, scales), samples));

@@ -18,8 +18,9 @@ struct EvaluationFamily {
   // Families of one kin are one and the same for who looks for a shape: an assembly, its own
   // template, and templates made of it. Whichever of them is found is right.
   std::string kin;
-  std::string author;  // of the mesh that it was made of; empty where we drew it
-  std::string mesh;    // the LabelledShape that it was made of; empty where we drew it
+  std::string author;        // of the mesh that it was made of; empty where we drew it
+  std::string mesh;          // the LabelledShape that it was made of; empty where we drew it
+  bool uses_kernel = false;  // whether each design's solids are made anew by the CAD kernel
   std::shared_ptr<const templates::Template> function;
 };
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_format.h"
@@ -21,7 +22,12 @@ int main(int argc, char** argv) {
   app.add_option("--out", settings.out, "Folder for what is measured")->required();
   app.add_option("--figure", figures,
                  "Only this, again for more: " + absl::StrJoin(FigureNames(), ", "));
-  app.add_option("--families", settings.families, "At most so many families of each set");
+  app.add_option("--families", settings.families,
+                 "At most so many families of what ships, and of each category of meshes");
+  app.add_option("--evaluations", settings.evaluations,
+                 "At most so many designs for the cover of a family");
+  app.add_flag("--kernel", settings.kernel,
+               "Also families whose solids the CAD kernel makes: hours instead of an hour");
   app.add_option("--threads", settings.threads, "Same results with any number")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

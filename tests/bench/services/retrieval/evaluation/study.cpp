@@ -23,6 +23,7 @@ constexpr int kStandIns = 3;  // random designs of each family in place of label
 StudyEffort QuickEffort() {
   StudyEffort effort;
   effort.rejections = 20;
+  effort.most_primitives = 20;
   effort.most_evaluations = 100;
   effort.deltas = {0.7, 0.5};
   effort.accuracy_deltas = {0.3, 0.5};
@@ -39,7 +40,9 @@ StudyEffort QuickEffort() {
 Study::Study(StudySettings settings, std::function<void(std::string_view)> say)
     : settings_(std::move(settings)),
       effort_(settings_.quick ? QuickEffort() : StudyEffort{}),
-      say_(std::move(say)) {}
+      say_(std::move(say)) {
+  if (settings_.evaluations > 0) effort_.most_evaluations = settings_.evaluations;
+}
 
 absl::StatusOr<std::unique_ptr<Study>> Study::Create(StudySettings settings,
                                                      std::function<void(std::string_view)> say) {
@@ -50,8 +53,8 @@ absl::StatusOr<std::unique_ptr<Study>> Study::Create(StudySettings settings,
   }
   MORTISE_RETURN_IF_ERROR(study->LoadFamilies());
   MORTISE_RETURN_IF_ERROR(study->LoadShapes());
-  std::string content =
-      absl::StrFormat("%d %d %d", kFiguresVersion, study->settings_.seed, study->settings_.quick);
+  std::string content = absl::StrFormat("%d %d %d %d", kFiguresVersion, study->settings_.seed,
+                                        study->settings_.quick, study->effort_.most_evaluations);
   for (const EvaluationFamily& family : study->families_)
     absl::StrAppend(&content, " ", family.name, family.function->head().digest);
   for (const LabelledShape& shape : study->shapes_) absl::StrAppend(&content, " ", shape.name);
@@ -65,8 +68,10 @@ absl::Status Study::LoadFamilies() {
   say_("loading families");
   MORTISE_ASSIGN_OR_RETURN(
       families_, ShippedFamilies(settings_.quick ? kQuickFamilies : std::vector<std::string>{}));
-  if (settings_.families > 0 && static_cast<int>(families_.size()) > settings_.families)
-    families_.resize(static_cast<std::size_t>(settings_.families));
+  if (!settings_.kernel)
+    std::erase_if(families_, [](const EvaluationFamily& family) { return family.uses_kernel; });
+  const int most = settings_.families > 0 ? settings_.families : 1000;
+  if (static_cast<int>(families_.size()) > most) families_.resize(static_cast<std::size_t>(most));
   return absl::OkStatus();
 }
 
@@ -107,8 +112,11 @@ absl::StatusOr<const std::vector<Eigen::VectorXd>*> Study::Described(std::size_t
 
 absl::Status Study::CoverAll(std::size_t descriptor) {
   const std::shared_ptr<const Descriptor>& by = descriptors_[descriptor];
+  // Without a race: the derivatives of tangents that lose cost more than is gained here.
   const FamilyCovers covers(settings_.out / "kept", {.seed = settings_.seed,
                                                      .rejections = effort_.rejections,
+                                                     .race = false,
+                                                     .most_primitives = effort_.most_primitives,
                                                      .most_evaluations = effort_.most_evaluations});
   std::vector<double> deltas;
   for (const double each : effort_.deltas) deltas.push_back(DeltaOf(*by, each));

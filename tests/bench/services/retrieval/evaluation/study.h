@@ -23,21 +23,25 @@ struct StudySettings {
   std::filesystem::path out;
   std::uint64_t seed = 1;
   int threads = 1;
-  int families = 0;    // at most so many of each set; 0 for all
-  bool quick = false;  // a handful of families and samples: whether all works, not what comes out
+  int families = 0;      // at most so many of what ships, and of each category of meshes; 0 for all
+  long evaluations = 0;  // at most so many for one cover; 0 for StudyEffort's
+  bool kernel = false;   // also families whose solids the kernel makes anew for each design, which
+                         // take hundreds of times as long as all others
+  bool quick = false;    // a handful of families and samples: whether all works, not what comes out
 };
 
 // How much is done: δ are in natural scales of the descriptor (DescriptorProperties).
 struct StudyEffort {
   int rejections = 300;                         // that end a cover
-  long most_evaluations = 600;                  // of a family by a descriptor and δ
+  int most_primitives = 200;                    // of the cover of a family by a descriptor and δ
+  long most_evaluations = 2'000;                // as well
   std::vector<double> deltas{0.5, 0.35, 0.25};  // of the families' covers; the last is the finest
-  std::vector<double> accuracy_deltas{0.06, 0.09, 0.13, 0.2, 0.3, 0.45};  // 2 parameters (4-8)
-  std::vector<double> other_accuracy_deltas{0.15, 0.3};                   // 3, 5, 7 parameters
-  std::vector<double> cost_deltas{0.06, 0.09, 0.13, 0.2, 0.3, 0.45};      // (4-9)
-  long most_measured = 20'000;  // evaluations of one cover in Figures 4-8 and 4-9
-  int accuracy_samples = 200;   // of errors
-  int random_designs = 20;      // of each family (4-10)
+  std::vector<double> accuracy_deltas{0.1, 0.17, 0.28, 0.45};   // 2 parameters (4-8)
+  std::vector<double> other_accuracy_deltas{0.3};               // 3, 5, 7 parameters
+  std::vector<double> cost_deltas{0.13, 0.2, 0.3, 0.45, 0.65};  // (4-9)
+  long most_measured = 6'000;  // evaluations of one cover in Figures 4-8 and 4-9
+  int accuracy_samples = 60;   // of errors; a third with more parameters than two
+  int random_designs = 20;     // of each family (4-10)
 };
 
 class Study {
