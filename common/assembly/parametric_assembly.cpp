@@ -393,6 +393,16 @@ absl::StatusOr<MeasureRange> ParametricAssembly::RangeOf(const Measure& measure)
   return MeasureRange{measure, form.At(drawn()), ranges[0].minimum, ranges[0].maximum};
 }
 
+absl::StatusOr<PolyhedronShadow> ParametricAssembly::ValuesOf(
+    const std::vector<Measure>& measures) const {
+  std::vector<LinearForm> forms;
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(forms.emplace_back(),
+                             FormOf(measures[i], absl::StrCat("measures[", i, "]")));
+  }
+  return feasible_set_->ValuesOf(forms);
+}
+
 absl::StatusOr<std::vector<MeasureRange>> ParametricAssembly::AdjustableSizes() const {
   std::vector<MeasureRange> sizes;
   std::vector<LinearForm> forms;

@@ -117,6 +117,11 @@ class ParametricAssembly {
   // "measure.element", for an element there is not.
   absl::StatusOr<MeasureRange> RangeOf(const Measure& measure) const;
 
+  // Returns which values the measures may have together, m: what Meet can meet.
+  // INVALID_ARGUMENT, "measures[i].element", for an element there is not, and "measures[i]" for a
+  // measure that cannot change.
+  absl::StatusOr<PolyhedronShadow> ValuesOf(const std::vector<Measure>& measures) const;
+
   // Returns the sizes of principal elements that can be changed, with their ranges, element by
   // element.
   absl::StatusOr<std::vector<MeasureRange>> AdjustableSizes() const;

@@ -156,6 +156,13 @@ class HandledAssembly final : public Template {
         handles_(std::move(handles)),
         conditions_(std::move(conditions)) {}
 
+  absl::StatusOr<ParameterLimits> LimitsAmongParameters() const override {
+    std::vector<Measure> measures;
+    for (const AssemblyHandle& handle : handles_) measures.push_back(handle.measure);
+    MORTISE_ASSIGN_OR_RETURN(parametric::PolyhedronShadow values, assembly_->ValuesOf(measures));
+    return ParameterLimits{std::move(values.inequalities), std::move(values.bounds)};
+  }
+
   std::size_t MemoryUse() const override {
     return Template::MemoryUse() + parametric::MemoryUse(*assembly_);
   }

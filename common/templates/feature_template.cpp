@@ -19,6 +19,8 @@ class FeatureTemplate final : public Template {
   FeatureTemplate(TemplateHead head, cad::FeatureModel model, SolidIdentity identity)
       : Template(std::move(head)), model_(std::move(model)), identity_(std::move(identity)) {}
 
+  bool MeshesAnew() const override { return true; }
+
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(const cad::RegeneratedModel made, Regenerate(q));

@@ -40,6 +40,11 @@ absl::StatusOr<std::optional<Template::AssemblyDesign>> Template::AssemblyDesign
   return std::optional<AssemblyDesign>();
 }
 
+absl::StatusOr<Template::ParameterLimits> Template::LimitsAmongParameters() const {
+  const auto count = static_cast<Eigen::Index>(head_.parameters.size());
+  return ParameterLimits{Eigen::MatrixXd(0, count), Eigen::VectorXd(0)};
+}
+
 absl::StatusOr<parametric::MassProperties> Template::Mass(const Eigen::VectorXd&) const {
   return PreconditionFailed("NO_GRADIENT", "the mass of this kind of template has no gradient",
                             head_.name);

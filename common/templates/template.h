@@ -62,6 +62,22 @@ class Template {
   // the kernel finds cannot be made.
   absl::StatusOr<parametric::Structure> StructureAt(const Eigen::VectorXd& q) const;
 
+  // Whether the surfaces of designs of one structure are meshed anew each time. Otherwise they have
+  // the same vertices, in the same order, joined to triangles of the same faces.
+  virtual bool MeshesAnew() const { return false; }
+
+  // Linear inequalities among parameters: normals · q <= bounds, unit rows.
+  struct ParameterLimits {
+    Eigen::MatrixXd normals;  // one row an inequality, one column a parameter
+    Eigen::VectorXd bounds;
+  };
+
+  // Returns what parameters within their ranges must keep besides, as far as it is known without
+  // making a design: of an assembly, which sizes it can have together. At its very ends rounding
+  // may decide whether Evaluate fails. No rows for other kinds of templates. It takes up to seconds
+  // for assemblies of hundreds of parts.
+  virtual absl::StatusOr<ParameterLimits> LimitsAmongParameters() const;
+
   // Returns the boundary representation of each part of the design at q, in the order of Evaluate's
   // parts. A mesh in a cage has a plane for each of its triangles that lie in one. Fails as
   // Evaluate; FAILED_PRECONDITION, NO_SOLID, where a mesh in a cage bounds several solids, or none

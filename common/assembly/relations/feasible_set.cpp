@@ -362,6 +362,23 @@ absl::StatusOr<std::vector<Range>> FeasibleSet::RangesOf(
   return ranges;
 }
 
+absl::StatusOr<PolyhedronShadow> FeasibleSet::ValuesOf(const std::vector<LinearForm>& forms) const {
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(forms.size()), basis_.cols());
+  Eigen::VectorXd drawn(rows.rows());
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    MORTISE_ASSIGN_OR_RETURN(rows.row(at), RowOf({forms[i], 0, ""}, i));
+    drawn[at] = forms[i].At(drawn_);
+    if (rows.row(at).norm() > kParallel) continue;
+    return InvalidField(absl::StrCat("forms[", i, "]"), "is the same in all designs");
+  }
+  absl::StatusOr<PolyhedronShadow> shadow = ShadowOf(normals_, slacks_, rows);
+  if (DetailOf(shadow.status()).reason == "POLYHEDRON_UNBOUNDED") return Unbounded();
+  MORTISE_RETURN_IF_ERROR(shadow.status());
+  shadow->bounds += shadow->inequalities * drawn;
+  return shadow;
+}
+
 absl::StatusOr<std::vector<Eigen::VectorXd>> FeasibleSet::Corners(int count,
                                                                   std::uint64_t seed) const {
   if (count < 0) return InvalidField("count", "must not be negative");

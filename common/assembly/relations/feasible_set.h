@@ -16,6 +16,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/assembly/polyhedra/polyhedron.h"
+#include "common/assembly/polyhedra/polyhedron_shadow.h"
 #include "common/assembly/relations/relationship.h"
 
 namespace mortise::parametric {
@@ -90,6 +91,11 @@ class FeasibleSet {
   // FEASIBLE_SET_UNBOUNDED if there is none. It takes a linear programme for each end that lies
   // before its own limit (polyhedron_extents.h).
   absl::StatusOr<std::vector<Range>> RangesOf(const std::vector<LinearForm>& forms) const;
+
+  // Returns which values the forms take together: the set's shadow (polyhedron_shadow.h).
+  // INVALID_ARGUMENT for a form that the set does not change; FAILED_PRECONDITION,
+  // FEASIBLE_SET_UNBOUNDED, if one has no end.
+  absl::StatusOr<PolyhedronShadow> ValuesOf(const std::vector<LinearForm>& forms) const;
 
   // Returns `count` points at corners of the set: the ends of random directions, seeded. Each
   // factor of the set (polyhedron_factors.h) has directions of its own. Fails as RangesOf does. It

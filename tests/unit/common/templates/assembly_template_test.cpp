@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -97,6 +98,26 @@ v1::TemplateBundle Bookshelf() {
   v1::TemplateBundle bundle = ShippedAssembly("assemblies/bookshelf");
   EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
   return bundle;
+}
+
+// Parameters within their ranges and the limits have a design, and none beyond a limit has one.
+TEST(AssemblyTemplateChecks, LimitsAmongParametersSayWhatCanBeHadTogether) {
+  v1::TemplateBundle bundle = ShippedAssembly("assemblies/step-stool");
+  ASSERT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  const auto stool = Compile(bundle).value();
+  const auto limits = stool->LimitsAmongParameters();
+  ASSERT_TRUE(limits.ok()) << limits.status();
+  ASSERT_GT(limits->bounds.size(), 0);
+  ASSERT_EQ(limits->normals.cols(), static_cast<Eigen::Index>(stool->parameters().size()));
+  int within = 0, beyond = 0;
+  for (const Eigen::VectorXd& q : parametric::TrialPoints(stool->parameters(), 300)) {
+    const double excess = (limits->normals * q - limits->bounds).maxCoeff();
+    if (std::abs(excess) < 1e-6) continue;  // rounding decides
+    (excess < 0 ? within : beyond) += 1;
+    EXPECT_EQ(stool->Evaluate(q).ok(), excess < 0) << q.transpose();
+  }
+  EXPECT_GT(within, 5);
+  EXPECT_GT(beyond, 50);
 }
 
 TEST(AssemblyTemplateChecks, ChosenHandlesAndRangesAreKept) {

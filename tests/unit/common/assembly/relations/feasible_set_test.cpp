@@ -270,6 +270,27 @@ TEST(FeasibleSetTest, CornersAreFeasibleAndFurthestOut) {
 }
 
 // The same designs are feasible; which of them is nearest is another matter.
+// Of a table's width, and of how far its width and height go together.
+TEST(FeasibleSetTest, ValuesOfFormsAreThoseThatDesignsHaveTogether) {
+  const Parametrised table(TwoLeggedTable());
+  ASSERT_OK_AND_ASSIGN(const FeasibleSet set, table.Set(0, 0));
+  const LinearForm width = LinearForm::Variable(SizeVariable(table.ElementNamed("top"), Axis::kX));
+  const LinearForm leg = LinearForm::Variable(SizeVariable(table.ElementNamed("leg 1"), Axis::kX));
+  const std::vector<LinearForm> forms = {width, width + leg};
+  ASSERT_OK_AND_ASSIGN(const PolyhedronShadow values, set.ValuesOf(forms));
+  ASSERT_OK_AND_ASSIGN(const auto corners, set.Corners(20, 1));
+  for (const Eigen::VectorXd& q : corners) {
+    const Eigen::Vector2d at(forms[0].At(q), forms[1].At(q));
+    EXPECT_LT((values.inequalities * at - values.bounds).maxCoeff(), 1e-7);
+  }
+  for (Eigen::Index i = 0; i < values.bounds.size(); ++i) {
+    const LinearForm along =
+        Combine(values.inequalities(i, 0), forms[0], values.inequalities(i, 1), forms[1]);
+    ASSERT_OK_AND_ASSIGN(const Eigen::VectorXd furthest, set.Furthest(along));
+    EXPECT_NEAR(along.At(furthest), values.bounds[i], 1e-6);
+  }
+}
+
 TEST(FeasibleSetTest, RescaledFindsWhatIsNearestInItsScales) {
   for (const Assembly& assembly : {TwoLeggedTable(), ChestWithLid(), RandomAssembly(5)}) {
     const Parametrised design(assembly);
