@@ -147,6 +147,7 @@ LightFieldDescriptor::LightFieldDescriptor(const LightFieldSettings& settings)
   properties_.compares_turns = true;
   properties_.natural_scale = 0.55;
   properties_.sampling_noise = 0.005;
+  properties_.bound_noise = 1e-4;
 }
 
 absl::StatusOr<std::unique_ptr<BoundDescriptor>> LightFieldDescriptor::Bind(

@@ -21,7 +21,10 @@ SilhouetteRaster::SilhouetteRaster(int rows, const Eigen::Vector2d& corner, doub
     : rows_(rows),
       corner_(corner),
       row_height_(size / rows),
-      cells_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows * kColumnsARow)) {}
+      cells_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows * kColumnsARow),
+             Cell{kFarRight, kFarLeft}),
+      first_column_(static_cast<std::size_t>(rows), rows * kColumnsARow),
+      last_column_(static_cast<std::size_t>(rows), -1) {}
 
 // Corners in rows and columns.
 void SilhouetteRaster::Fill(Eigen::Vector2d a, Eigen::Vector2d b, Eigen::Vector2d c) {
@@ -46,6 +49,10 @@ void SilhouetteRaster::Fill(Eigen::Vector2d a, Eigen::Vector2d b, Eigen::Vector2
     Cell& cell = cells_[static_cast<std::size_t>(row * columns + column)];
     cell.begin = std::min(cell.begin, begin);
     cell.end = std::max(cell.end, end);
+    int& first_column = first_column_[static_cast<std::size_t>(row)];
+    int& last_column = last_column_[static_cast<std::size_t>(row)];
+    first_column = std::min(first_column, column);
+    last_column = std::max(last_column, column);
   }
 }
 
@@ -56,7 +63,6 @@ Silhouette SilhouetteRaster::Draw(const Eigen::Matrix2Xd& points,
   const auto place = [&](int corner) -> Eigen::Vector2d {
     return (points.col(corner) - corner_).array() * scale;
   };
-  std::fill(cells_.begin(), cells_.end(), Cell{kFarRight, kFarLeft});
   for (const auto& corners : triangles.colwise()) {
     Fill(place(corners[0]), place(corners[1]), place(corners[2]));
   }
@@ -69,9 +75,12 @@ Silhouette SilhouetteRaster::Draw(const Eigen::Matrix2Xd& points,
                                   corner_.x() + open.begin / scale.x(),
                                   corner_.x() + open.end / scale.x()});
     };
-    for (int column = 0; column < columns; ++column) {
-      const Cell& cell = cells_[static_cast<std::size_t>(row * columns + column)];
-      if (cell.begin == kFarRight) continue;
+    const int last = std::exchange(last_column_[static_cast<std::size_t>(row)], -1);
+    const int first = std::exchange(first_column_[static_cast<std::size_t>(row)], columns);
+    for (int column = first; column <= last; ++column) {
+      Cell& touched = cells_[static_cast<std::size_t>(row * columns + column)];
+      if (touched.begin == kFarRight) continue;
+      const Cell cell = std::exchange(touched, Cell{kFarRight, kFarLeft});
       if (cell.begin > open.end) {
         close();
         open = cell;

@@ -47,7 +47,9 @@ class SilhouetteRaster {
   int rows_;
   Eigen::Vector2d corner_;
   double row_height_;
-  std::vector<Cell> cells_;  // rows × columns
+  std::vector<Cell> cells_;  // rows × columns; empty between silhouettes
+  // Of each row, the columns in which something begins: most rows have few.
+  std::vector<int> first_column_, last_column_;
 };
 
 }  // namespace mortise::retrieval

@@ -160,6 +160,8 @@ VoxelDescriptor::VoxelDescriptor(const VoxelSettings& settings)
   properties_.compares_turns = true;
   properties_.natural_scale = 0.6;
   properties_.sampling_noise = 0.002;
+  properties_.bound_noise = 1e-5;
+  properties_.differentiates_exactly = true;
 }
 
 absl::StatusOr<std::unique_ptr<BoundDescriptor>> VoxelDescriptor::Bind(
