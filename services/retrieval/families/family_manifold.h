@@ -11,10 +11,25 @@
 
 namespace mortise::retrieval {
 
-// The manifold over the template's parameters within their ranges. The designs with the default's
-// structure are described through one choice of points on it, so that the manifold is as smooth as
-// its descriptor; those of other structures each by itself. Designs that cannot be made, as sizes
-// that no assembly has together, fail. Fails where the default design cannot be made or described.
+// The manifold over all parameters with which the template has a design. The box of their ranges is
+// cut by what the template knows of limits among them (Template::LimitsAmongParameters): for an
+// assembly that leaves the shadow of its FeasibleSet on the lengths that are its parameters, so
+// that each point of it is z that can be chosen, distances to the boundary (thesis 4.5) are those
+// of the feasible set, and what a primitive stores is the template's own parameters. The parameters
+// of an assembly are sizes, linear in z; what they leave open of z the template chooses (F(q) is
+// the design nearest to the drawn one), and a search could not ask for it.
+//
+// Designs of one structure are described through one choice of points on one of them, so that the
+// manifold is as smooth as its descriptor; the structures that some of 256 samples have are known
+// beforehand, and designs of others are described each by itself, as are those of templates whose
+// designs are meshed anew each time.
+//
+// Where a descriptor differentiates exactly, so does the manifold: by the velocities of the
+// vertices, which are differences that are exact where vertices are linear or quadratic in the
+// parameters, as those of assemblies are.
+//
+// Designs that cannot be made fail. Fails itself where the default design cannot be made or
+// described.
 absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
     std::shared_ptr<const templates::Template> function,
     std::shared_ptr<const Descriptor> descriptor);

@@ -20,8 +20,9 @@
 #include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
 #include "common/store/blob_folder.h"
-#include "services/retrieval/cover/manifold_cover.h"
+#include "services/retrieval/cover/interpolated_cover.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
+#include "services/retrieval/families/family_cover.h"
 #include "services/retrieval/families/family_manifold.h"
 #include "services/retrieval/index/index_file.h"
 #include "services/retrieval/service/index_records.h"
@@ -32,11 +33,7 @@ namespace {
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr std::chrono::milliseconds kLookForTurn{200};
-constexpr double kDeltaOfScale = 0.25;  // the default δ, of the distance of unlike shapes
-constexpr std::uint64_t kSeed = 1;
-constexpr int kMaxPrimitives = 1'000;        // of one template
-constexpr long kMaxEvaluations = 20'000;     // of one template
-constexpr char kCoverVersion[] = "cover 1";  // changes with what is made of the same template
+constexpr char kCoverVersion[] = "cover 2";  // changes with what is made of the same template
 
 // One build of one index.
 class IndexBuild {
@@ -158,13 +155,9 @@ class IndexBuild {
                          std::vector<Primitive>* primitives) const {
     MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold,
                              MakeFamilyManifold(compiled.function, descriptor_));
-    CoverOptions options;
-    options.delta = delta_;
-    options.seed = kSeed;
-    options.most_primitives = kMaxPrimitives;
-    options.most_evaluations = kMaxEvaluations;
+    CoverOptions options = FamilyCoverOptions(delta_, *compiled.function);
     options.stop = context_.stop_token();
-    MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(*manifold, options));
+    MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverByInterpolation(*manifold, options));
     std::set<int> structures;
     for (const Primitive& primitive : cover.primitives) {
       structures.insert(primitive.structure);
@@ -306,10 +299,6 @@ std::vector<v1::ShapeDescriptor> DescriptorsOf(const v1::BuildIndexRequest& requ
 }
 
 }  // namespace
-
-double DefaultDelta(const Descriptor& descriptor) {
-  return kDeltaOfScale * descriptor.properties().natural_scale;
-}
 
 absl::Status CheckRequest(const v1::BuildIndexRequest& request) {
   absl::Status status;

@@ -10,7 +10,6 @@
 #include "common/host/run_service.h"
 #include "common/operations/operations.h"
 #include "mortise/v1/retrieval.pb.h"
-#include "services/retrieval/descriptors/descriptor.h"
 #include "services/retrieval/service/template_source.h"
 
 namespace mortise::store {
@@ -18,10 +17,6 @@ class BlobFolder;
 }
 
 namespace mortise::retrieval {
-
-// How far from its cover a design may be, where a request does not say: in the descriptor's
-// distance.
-double DefaultDelta(const Descriptor& descriptor);
 
 // INVALID_ARGUMENT naming each field at fault.
 absl::Status CheckRequest(const v1::BuildIndexRequest& request);
