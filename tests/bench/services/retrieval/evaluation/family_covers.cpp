@@ -28,10 +28,10 @@ std::vector<Primitive> PrimitivesOf(const PrimitiveIndex& index) {
 
 std::filesystem::path FamilyCovers::PathOf(const EvaluationFamily& family,
                                            const Descriptor& descriptor, double delta) const {
-  const std::string content =
-      absl::StrFormat("%s %s %s %d %a %d %d %d %d", family.name, family.function->head().digest,
-                      descriptor.properties().name, descriptor.properties().dimension, delta,
-                      options_.rejections, options_.most_evaluations, options_.seed);
+  const std::string content = absl::StrFormat(
+      "%s %s %s %d %a %d %d %d %d %d", family.name, family.function->head().digest,
+      descriptor.properties().name, descriptor.properties().dimension, delta, options_.rejections,
+      options_.most_evaluations, options_.seed, static_cast<int>(options_.kind));
   return folder_ / absl::StrCat("cover-", Sha256Hex(content).substr(0, 24));
 }
 

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
                  "At most so many families of what ships, and of each category of meshes");
   app.add_option("--evaluations", settings.evaluations,
                  "At most so many designs for the cover of a family");
+  app.add_flag("--points", settings.points,
+               "Covers of points alone, which take a tenth of the time");
   app.add_flag("--kernel", settings.kernel,
                "Also families whose solids the CAD kernel makes: hours instead of an hour");
   app.add_option("--threads", settings.threads, "Same results with any number")

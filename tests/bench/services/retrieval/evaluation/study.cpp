@@ -53,8 +53,9 @@ absl::StatusOr<std::unique_ptr<Study>> Study::Create(StudySettings settings,
   }
   MORTISE_RETURN_IF_ERROR(study->LoadFamilies());
   MORTISE_RETURN_IF_ERROR(study->LoadShapes());
-  std::string content = absl::StrFormat("%d %d %d %d", kFiguresVersion, study->settings_.seed,
-                                        study->settings_.quick, study->effort_.most_evaluations);
+  std::string content = absl::StrFormat("%d %d %d %d %d", kFiguresVersion, study->settings_.seed,
+                                        study->settings_.quick, study->settings_.points,
+                                        study->effort_.most_evaluations);
   for (const EvaluationFamily& family : study->families_)
     absl::StrAppend(&content, " ", family.name, family.function->head().digest);
   for (const LabelledShape& shape : study->shapes_) absl::StrAppend(&content, " ", shape.name);
@@ -113,11 +114,16 @@ absl::StatusOr<const std::vector<Eigen::VectorXd>*> Study::Described(std::size_t
 absl::Status Study::CoverAll(std::size_t descriptor) {
   const std::shared_ptr<const Descriptor>& by = descriptors_[descriptor];
   // Without a race: the derivatives of tangents that lose cost more than is gained here.
-  const FamilyCovers covers(settings_.out / "kept", {.seed = settings_.seed,
-                                                     .rejections = effort_.rejections,
-                                                     .race = false,
-                                                     .most_primitives = effort_.most_primitives,
-                                                     .most_evaluations = effort_.most_evaluations});
+  CoverOptions options{.seed = settings_.seed,
+                       .rejections = effort_.rejections,
+                       .race = false,
+                       .most_primitives = effort_.most_primitives,
+                       .most_evaluations = effort_.most_evaluations};
+  if (settings_.points) {
+    options.kind = CoverKind::kPoints;
+    options.most_primitives = 5 * effort_.most_primitives;
+  }
+  const FamilyCovers covers(settings_.out / "kept", options);
   std::vector<double> deltas;
   for (const double each : effort_.deltas) deltas.push_back(DeltaOf(*by, each));
   using Made = absl::StatusOr<std::vector<std::vector<Primitive>>>;

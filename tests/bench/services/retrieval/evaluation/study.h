@@ -25,6 +25,7 @@ struct StudySettings {
   int threads = 1;
   int families = 0;      // at most so many of what ships, and of each category of meshes; 0 for all
   long evaluations = 0;  // at most so many for one cover; 0 for StudyEffort's
+  bool points = false;   // covers of points alone: coarser for their cost, but soon made
   bool kernel = false;   // also families whose solids the kernel makes anew for each design, which
                          // take hundreds of times as long as all others
   bool quick = false;    // a handful of families and samples: whether all works, not what comes out
