@@ -10,6 +10,7 @@
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/design_filter_options.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -31,6 +32,7 @@ struct SearchOptions {
   std::string unit, up;
   int top = 10;
   std::vector<std::string> templates;
+  DesignFilterOptions filter;
   std::filesystem::path sheet;
   bool fit = false;
 };
@@ -54,6 +56,7 @@ FieldSources SourcesOf(const SearchOptions& options) {
   sources.Add("shape_descriptor", "--descriptor");
   sources.Add("limit", "--top");
   sources.AddEach("templates", "--template", options.templates);
+  options.filter.AddSources(&sources);
   return sources;
 }
 
@@ -86,6 +89,7 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) 
   for (const std::string& name : options.templates) {
     request.add_templates(ResourceName("templates", name));
   }
+  MORTISE_RETURN_IF_ERROR(options.filter.Fill(&request));
   if (options.design.empty()) {
     v1::QueryMesh& mesh = *request.mutable_mesh();
     MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh));
@@ -221,6 +225,7 @@ void AddSearch(CLI::App& app, Session& session) {
   search->add_option("--top", options->top, "How many matches")->capture_default_str();
   search->add_option("--template", options->templates, "Only this template; may be repeated");
   search->add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
+  options->filter.AddTo(*search);
   search->add_option("--sheet", options->sheet, "PNG file for a picture of the matches");
   search->footer("Example: mortise search chair.obj --top 5 --sheet out.png");
   search->callback([&session, options] {

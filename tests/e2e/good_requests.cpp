@@ -222,11 +222,16 @@ constexpr Example kExamples[] = {
      Outcome::kChanges},
     {"RetrievalService/SearchShapes",
      "mesh { file: '{tetrahedron}' file_name: 't.stl' length_unit: 'mm' up: Z } "
-     "shape_descriptor: VOXEL limit: 3 templates: 'templates/table'",
+     "shape_descriptor: VOXEL limit: 3 templates: 'templates/table' categories: 'table' "
+     "design_filter { min_size { x: 0.1 y: 0.1 z: 0.1 } max_size { x: 3 y: 3 z: 3 } "
+     "materials: 'materials/pine' max_price { currency: 'EUR' amount: 200 } "
+     "items { item: 'items/board' quantity: 4 } }",
      Outcome::kRefused},
     {"RetrievalService/BuildIndex", "request_id: 'bad-50' templates: 'templates/table'",
      Outcome::kChanges},
     {"RetrievalService/GetIndex", "name: 'indexes/voxel'", Outcome::kRefused},
+    {"RetrievalService/ListIndexFamilies", "name: 'indexes/voxel' page_size: 10",
+     Outcome::kRefused},
     {"RetrievalService/ListIndexes", "page_size: 10"},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",

@@ -20,7 +20,34 @@ absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::
 
 absl::StatusOr<v1::ShapeIndex> GetIndex(const Retrieval& retrieval, const rpc::Call&,
                                         const v1::GetIndexRequest& request) {
-  return kIndexes.Get(*retrieval.environment.store, request.name());
+  MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
+                           kIndexes.Get(*retrieval.environment.store, request.name()));
+  resources::PageRoom room(resources::kLargestPageSize);
+  int shown = 0;
+  while (shown < index.families_size() && room.Take(index.families(shown).ByteSizeLong())) ++shown;
+  index.mutable_families()->DeleteSubrange(shown, index.families_size() - shown);
+  return index;
+}
+
+absl::StatusOr<v1::ListIndexFamiliesResponse> ListIndexFamilies(
+    const Retrieval& retrieval, const rpc::Call&, const v1::ListIndexFamiliesRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const resources::PageQuery query, resources::ReadPageQuery(request));
+  MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
+                           kIndexes.Get(*retrieval.environment.store, request.name()));
+  resources::PageRoom room(query.size);
+  resources::Page<v1::ShapeIndex::Family> page;
+  std::string last;
+  for (v1::ShapeIndex::Family& family : *index.mutable_families()) {
+    if (family.template_() <= query.after) continue;
+    if (request.only_faults() && family.fault().empty()) continue;
+    if (!room.Take(family.ByteSizeLong())) {
+      page.next_page_token = last;
+      break;
+    }
+    last = family.template_();
+    page.entries.push_back(std::move(family));
+  }
+  return resources::ToResponse(std::move(page), &v1::ListIndexFamiliesResponse::mutable_families);
 }
 
 absl::StatusOr<v1::ListIndexesResponse> ListIndexes(const Retrieval& retrieval, const rpc::Call&,

@@ -17,6 +17,10 @@ absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::
 absl::StatusOr<v1::ShapeIndex> GetIndex(const Retrieval& retrieval, const rpc::Call& call,
                                         const v1::GetIndexRequest& request);
 
+// NOT_FOUND likewise; INVALID_ARGUMENT naming "page_size" or "page_token".
+absl::StatusOr<v1::ListIndexFamiliesResponse> ListIndexFamilies(
+    const Retrieval& retrieval, const rpc::Call& call, const v1::ListIndexFamiliesRequest& request);
+
 absl::StatusOr<v1::ListIndexesResponse> ListIndexes(const Retrieval& retrieval,
                                                     const rpc::Call& call,
                                                     const v1::ListIndexesRequest& request);

@@ -1,5 +1,6 @@
 #include "services/retrieval/service/index_operation.h"
 
+#include <google/protobuf/util/message_differencer.h>
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
@@ -35,6 +36,25 @@ constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr std::chrono::milliseconds kLookForTurn{200};
 constexpr char kCoverVersion[] = "cover 2";  // changes with what is made of the same template
 
+// Says of a family what is known of its template without making designs; `compiled` is null where
+// the template cannot be compiled.
+void Describe(const v1::Template& head, const CompiledTemplate* compiled,
+              v1::ShapeIndex::Family* family) {
+  family->set_template_revision(head.revision());
+  resources::CopyTags(head, family);
+  family->set_creator(head.creator());
+  *family->mutable_create_time() = head.create_time();
+  family->set_title(compiled ? compiled->title : head.title());
+  family->clear_parameters();
+  family->clear_items();
+  family->clear_materials();
+  if (!compiled) return;
+  const templates::TemplateHead& made = compiled->function->head();
+  for (const parametric::Parameter& each : made.parameters) family->add_parameters(each.name);
+  for (const parametric::Item& each : made.items) family->add_items(each.name);
+  for (const parametric::Material& each : made.materials) family->add_materials(each.name);
+}
+
 // One build of one index.
 class IndexBuild {
  public:
@@ -61,7 +81,7 @@ class IndexBuild {
 
  private:
   // Covers of templates that there are no more. Of what is only refreshed, the rest is what is
-  // covered.
+  // covered; covers of an earlier version are brought up in any case.
   absl::Status ForgetOthers(const std::vector<v1::Template>& templates) {
     std::set<std::string> names;
     for (const v1::Template& each : templates) names.insert(each.name());
@@ -74,6 +94,9 @@ class IndexBuild {
         const std::string& name = cover.families(0).template_();
         if (names.contains(name)) {
           known.insert(name);
+          const bool is_outdated =
+              cover.format_version() != kIndexFormat && cover.delta() == delta_;
+          if (wanted_ && is_outdated) wanted_->insert(name);
         } else {
           MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name));
         }
@@ -112,10 +135,11 @@ class IndexBuild {
     v1::ShapeIndex cover;
     v1::ShapeIndex::Family& family = *cover.add_families();
     family.set_template_(head.name());
-    family.set_template_revision(head.revision());
     family.set_digest(DigestOf(compiled.ok() ? (*compiled)->digest : head.digest()));
-    MORTISE_ASSIGN_OR_RETURN(const bool is_known, IsKnown(family));
-    if (is_known) return absl::OkStatus();
+    MORTISE_ASSIGN_OR_RETURN(std::optional<v1::ShapeIndex> known, FindKnown(family));
+    const CompiledTemplate* const made_of = compiled.ok() ? compiled->get() : nullptr;
+    if (known) return BringUp(*std::move(known), head, made_of);
+    Describe(head, made_of, &family);
     std::vector<Primitive> primitives;
     const absl::Status made =
         compiled.ok() ? MakeCover(**compiled, &family, &primitives) : compiled.status();
@@ -138,17 +162,31 @@ class IndexBuild {
                                      descriptor_->properties().dimension, delta_, content));
   }
 
-  // Whether the template has this cover already, and its file is as it was written.
-  absl::StatusOr<bool> IsKnown(const v1::ShapeIndex::Family& family) const {
-    if (request_.anew()) return false;
+  // The cover that the template has already, if its file is as it was written.
+  absl::StatusOr<std::optional<v1::ShapeIndex>> FindKnown(
+      const v1::ShapeIndex::Family& family) const {
+    if (request_.anew()) return std::nullopt;
     MORTISE_ASSIGN_OR_RETURN(
-        const std::optional<v1::ShapeIndex> known,
+        std::optional<v1::ShapeIndex> known,
         resources::ReadFrom<std::optional<v1::ShapeIndex>>(
             *building_.environment.store, [&](store::ReadTransaction& transaction) {
               return FindCover(transaction, id_, family.template_());
             }));
-    return known && known->families(0).digest() == family.digest() &&
-           known->families(0).fault().empty() && ReadCover(*known).ok();
+    const bool is_usable = known && known->families(0).digest() == family.digest() &&
+                           known->families(0).fault().empty() && ReadCover(*known).ok();
+    if (!is_usable) known.reset();
+    return known;
+  }
+
+  // Of a revision with the same designs, what is said about the template may be new.
+  absl::Status BringUp(v1::ShapeIndex known, const v1::Template& head,
+                       const CompiledTemplate* compiled) {
+    const v1::ShapeIndex before = known;
+    Describe(head, compiled, known.mutable_families(0));
+    known.set_format_version(kIndexFormat);
+    if (google::protobuf::util::MessageDifferencer::Equals(before, known)) return absl::OkStatus();
+    return context_.Transact(
+        [&](store::Transaction& transaction) { return PutCover(transaction, id_, known); });
   }
 
   absl::Status MakeCover(const CompiledTemplate& compiled, v1::ShapeIndex::Family* family,
@@ -181,16 +219,21 @@ class IndexBuild {
       MORTISE_ASSIGN_OR_RETURN(*cover.mutable_sha256(), Keep(std::move(alone)));
     }
     cover.set_name(absl::StrCat(kIndexes.names, "/", id_));
+    cover.set_format_version(kIndexFormat);
     cover.set_shape_descriptor(kind_);
     cover.set_delta(delta_);
     return context_.Transact(
         [&](store::Transaction& transaction) { return PutCover(transaction, id_, cover); });
   }
 
-  // The digest of an index of these covers, whose file is stored.
+  // The digest of an index of these covers, whose file is stored. One that was damaged since it was
+  // stored is written again.
   absl::StatusOr<std::string> Keep(std::vector<FamilyCover> covers) {
     MORTISE_ASSIGN_OR_RETURN(const PrimitiveIndex index, PrimitiveIndex::Build(std::move(covers)));
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, IndexBytes(index, id_, kCoverVersion));
+    const std::string digest = Sha256Hex(bytes);
+    const absl::Status present = building_.blobs->Get(digest).status();
+    if (absl::IsDataLoss(present)) MORTISE_RETURN_IF_ERROR(building_.blobs->Remove(digest));
     return building_.blobs->Put(bytes);
   }
 
@@ -205,6 +248,7 @@ class IndexBuild {
     index.set_name(absl::StrCat(kIndexes.names, "/", id_));
     index.set_shape_descriptor(kind_);
     index.set_delta(delta_);
+    index.set_format_version(kIndexFormat);
     std::map<std::string, std::int64_t> covered;
     std::vector<FamilyCover> families;
     for (const v1::ShapeIndex& cover : covers) {

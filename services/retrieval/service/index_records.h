@@ -19,6 +19,9 @@ namespace mortise::retrieval {
 inline const resources::Collection<v1::ShapeIndex> kIndexes{
     .names = "indexes", .kind = "indexes", .event = "index", .newest_first = false};
 
+// The `format_version` of what is written now.
+inline constexpr int kIndexFormat = 1;
+
 // "d2", "voxel", "light-field"; the id of the descriptor's index. D2 where it is unspecified.
 std::string IndexIdOf(v1::ShapeDescriptor descriptor);
 

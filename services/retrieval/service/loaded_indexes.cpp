@@ -12,30 +12,53 @@
 namespace mortise::retrieval {
 namespace {
 
-absl::StatusOr<std::shared_ptr<const LoadedIndex>> Load(v1::ShapeIndex record,
-                                                        store::BlobFolder& blobs) {
-  const std::string id = IndexIdOf(record.shape_descriptor());
-  MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Descriptor> descriptor, MakeDescriptor(id));
-  const auto damaged = [&](const absl::Status& status) {
+absl::Status Damaged(const v1::ShapeIndex& record, const absl::Status& status) {
+  return PreconditionFailed(
+      "INDEX_DAMAGED",
+      absl::StrCat("the index cannot be used, and must be built again: ", status.message()),
+      record.name());
+}
+
+// Whether an index has families that can be searched, and says of them what answers need.
+absl::Status CheckRecord(const v1::ShapeIndex& record) {
+  if (record.format_version() != kIndexFormat) {
     return PreconditionFailed(
-        "INDEX_DAMAGED",
-        absl::StrCat("the index cannot be used, and must be built again: ", status.message()),
-        record.name());
-  };
+        "INDEX_OUTDATED",
+        "the index is of another version of the service, and is being built again", record.name());
+  }
   if (record.sha256().empty()) {
     return PreconditionFailed("INDEX_EMPTY", "the index has no template that could be covered",
                               record.name());
   }
-  const absl::StatusOr<std::filesystem::path> path = blobs.PathOf(record.sha256());
-  if (!path.ok()) return damaged(path.status());
-  absl::StatusOr<StoredIndex> stored = ReadIndex(*path, id);
-  if (!stored.ok()) return damaged(stored.status());
-  return std::make_shared<const LoadedIndex>(LoadedIndex{.record = std::move(record),
-                                                         .descriptor = std::move(descriptor),
-                                                         .primitives = std::move(stored->index)});
+  return absl::OkStatus();
+}
+
+// Every family that can be found is one of the record.
+absl::Status CheckFamilies(const v1::ShapeIndex& record, const PrimitiveIndex& primitives) {
+  const auto& families = primitives.arrays().families;  // ascending, from 0 on
+  if (families.empty() || families.back() < record.families_size()) return absl::OkStatus();
+  return absl::DataLossError("its file has more families than its record");
 }
 
 }  // namespace
+
+absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Load(
+    v1::ShapeIndex record) const {
+  const std::string id = IndexIdOf(record.shape_descriptor());
+  MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Descriptor> descriptor, MakeDescriptor(id));
+  const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record.sha256());
+  if (!path.ok()) return Damaged(record, path.status());
+  // From before it is read: what happens to it meanwhile shows later.
+  const FileStamp stamp = StampOf(*path);
+  absl::StatusOr<StoredIndex> stored = ReadIndex(*path, id);
+  if (!stored.ok()) return Damaged(record, stored.status());
+  const absl::Status fits = CheckFamilies(record, stored->index);
+  if (!fits.ok()) return Damaged(record, fits);
+  return std::make_shared<const LoadedIndex>(LoadedIndex{.record = std::move(record),
+                                                         .descriptor = std::move(descriptor),
+                                                         .primitives = std::move(stored->index),
+                                                         .stamp = stamp});
+}
 
 absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
     v1::ShapeDescriptor descriptor) {
@@ -47,12 +70,16 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
         absl::StrCat("there is no index by ", IndexIdOf(descriptor), " yet: build it first"), name);
   }
   MORTISE_RETURN_IF_ERROR(record.status());
+  MORTISE_RETURN_IF_ERROR(CheckRecord(*record));
+  const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record->sha256());
   const std::lock_guard lock(mutex_);
   std::shared_ptr<const LoadedIndex>& loaded = loaded_[descriptor];
   const bool is_current = loaded != nullptr && loaded->record.sha256() == record->sha256() &&
-                          loaded->record.build_time() == record->build_time();
+                          loaded->record.build_time() == record->build_time() && path.ok() &&
+                          loaded->stamp == StampOf(*path);
   if (!is_current) {
-    MORTISE_ASSIGN_OR_RETURN(loaded, Load(*std::move(record), *blobs_));
+    loaded = nullptr;
+    MORTISE_ASSIGN_OR_RETURN(loaded, Load(*std::move(record)));
   }
   return loaded;
 }

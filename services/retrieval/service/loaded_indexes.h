@@ -11,6 +11,7 @@
 #include "common/store/store.h"
 #include "mortise/v1/retrieval.pb.h"
 #include "services/retrieval/descriptors/descriptor.h"
+#include "services/retrieval/index/file_stamp.h"
 #include "services/retrieval/index/primitive_index.h"
 
 namespace mortise::retrieval {
@@ -20,6 +21,7 @@ struct LoadedIndex {
   v1::ShapeIndex record;
   std::unique_ptr<Descriptor> descriptor;
   PrimitiveIndex primitives;
+  FileStamp stamp = {};  // of the file that they are searched in
 };
 
 // Thread safe.
@@ -28,12 +30,16 @@ class LoadedIndexes {
   // Both outlive it.
   LoadedIndexes(store::Store* store, store::BlobFolder* blobs) : store_(store), blobs_(blobs) {}
 
-  // The index of a descriptor as it is stored now. FAILED_PRECONDITION, INDEX_MISSING, where there
-  // is none, and INDEX_DAMAGED, where its file is damaged, gone or of another version: it is never
-  // answered from, and building it again mends it.
+  // The index of a descriptor as it is stored now. A file that was touched since it was read is
+  // read and checked again. FAILED_PRECONDITION: INDEX_MISSING, where there is none; INDEX_DAMAGED,
+  // where its file is damaged, gone or of another version, and building it again mends it;
+  // INDEX_OUTDATED, where its record is of an earlier version, which the service is about to bring
+  // up by itself. None of these is ever answered from.
   absl::StatusOr<std::shared_ptr<const LoadedIndex>> Get(v1::ShapeDescriptor descriptor);
 
  private:
+  absl::StatusOr<std::shared_ptr<const LoadedIndex>> Load(v1::ShapeIndex record) const;
+
   store::Store* const store_;
   store::BlobFolder* const blobs_;
   std::mutex mutex_;

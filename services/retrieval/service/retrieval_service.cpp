@@ -37,6 +37,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
   MORTISE_QUERY(SearchShapes, rpc::With(retrieval_, methods::SearchShapes))
   MORTISE_MUTATION(BuildIndex, rpc::With(retrieval_, methods::BuildIndex))
   MORTISE_QUERY(GetIndex, rpc::With(retrieval_, methods::GetIndex))
+  MORTISE_QUERY(ListIndexFamilies, rpc::With(retrieval_, methods::ListIndexFamilies))
   MORTISE_QUERY(ListIndexes, rpc::With(retrieval_, methods::ListIndexes))
 
  private:

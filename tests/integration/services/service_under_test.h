@@ -47,6 +47,9 @@ class ServiceUnderTest {
   void Kill() { process_->End(SIGKILL); }
 
   const std::string& address() const { return port_.address(); }
+  // Where its store and its blobs are.
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  pid_t pid() const { return process_->pid(); }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
  private:

@@ -52,6 +52,13 @@ class RetrievalHouse {
  public:
   RetrievalHouse() { Connect(); }
 
+  // On what others of their kind have left in these folders.
+  RetrievalHouse(const std::filesystem::path& catalog, const std::filesystem::path& service)
+      : catalog_("mortise-catalog", {"--collection=" + collection_.path()}, {}, catalog),
+        service_("mortise-retrieval", {"--peer=catalog=" + catalog_.address()}, {}, service) {
+    Connect();
+  }
+
   // kill -9, and started again on the same state.
   void KillAndStart() {
     service_.Kill();
@@ -117,6 +124,36 @@ class RetrievalHouse {
   ServiceUnderTest service_{"mortise-retrieval", {"--peer=catalog=" + catalog_.address()}};
   std::unique_ptr<v1::RetrievalService::Stub> retrieval_;
   std::unique_ptr<v1::CatalogService::Stub> catalog_stub_;
+};
+
+inline constexpr double kCoarse = 0.5;  // the δ of an index that is made quickly
+
+// The state of a house with a coarse index by D2 of its two templates: covering them lasts many
+// seconds, copying what came of it does not. Made once in a program of tests.
+class BuiltState {
+ public:
+  // A house that goes on from it.
+  static std::unique_ptr<RetrievalHouse> House() {
+    static const BuiltState state;
+    return std::make_unique<RetrievalHouse>(state.folder_.path() / "catalog",
+                                            state.folder_.path() / "service");
+  }
+
+ private:
+  BuiltState() {
+    RetrievalHouse house;
+    house.Build("built", kCoarse);
+    house.service().Kill();
+    house.catalog_process().Kill();
+    constexpr auto kAll = std::filesystem::copy_options::recursive;
+    std::filesystem::copy(house.catalog_process().folder(), folder_.path() / "catalog", kAll);
+    std::filesystem::copy(house.service().folder(), folder_.path() / "service", kAll);
+    // Where they were served tells nothing of where the next ones are.
+    std::filesystem::remove(folder_.path() / "catalog/address.json");
+    std::filesystem::remove(folder_.path() / "service/address.json");
+  }
+
+  TemporaryFolder folder_;
 };
 
 }  // namespace mortise::testing

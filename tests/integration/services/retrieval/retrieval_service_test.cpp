@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,112 +15,21 @@
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
-#include "tests/integration/services/filled_catalog.h"
-#include "tests/integration/services/service_under_test.h"
+#include "tests/integration/services/retrieval/retrieval_house.h"
 
 namespace mortise::retrieval {
 namespace {
 
+using testing::BuiltState;
 using testing::Call;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::kCoarse;
+using testing::RetrievalHouse;
 using ::testing::UnorderedElementsAre;
+using testing::Value;
 
-// A collection of a table and a boat.
-class SmallCollection {
- public:
-  SmallCollection() {
-    namespace fs = std::filesystem;
-    const fs::path shipped = testing::ShippedCollection();
-    for (const char* each : {"materials.textproto", "versions.csv"}) {
-      fs::copy(shipped / each, folder_.path() / each);
-    }
-    for (const char* each : {"items", "shapes", "cage_templates"}) {
-      fs::copy(shipped / each, folder_.path() / each, fs::copy_options::recursive);
-    }
-    fs::create_directories(folder_.path() / "designs");
-    fs::copy(shipped / "designs/table", folder_.path() / "designs/table",
-             fs::copy_options::recursive);
-  }
-
-  std::string path() const { return folder_.path().string(); }
-
- private:
-  testing::TemporaryFolder folder_;
-};
-
-// A catalog with that collection, and the service.
-class RetrievalHouse {
- public:
-  RetrievalHouse() { Connect(); }
-
-  // kill -9, and started again on the same state.
-  void KillAndStart() {
-    service_.Kill();
-    service_.Start();
-    Connect();
-  }
-
-  v1::RetrievalService::Stub& retrieval() { return *retrieval_; }
-  v1::CatalogService::Stub& catalog() { return *catalog_stub_; }
-  const std::shared_ptr<grpc::Channel>& channel() const { return service_.channel(); }
-
-  absl::StatusOr<v1::Operation> StartBuild(const std::string& id, double delta) {
-    v1::BuildIndexRequest request;
-    request.set_request_id(id);
-    request.add_shape_descriptors(v1::D2);
-    request.set_delta(delta);
-    return StartBuild(request);
-  }
-
-  absl::StatusOr<v1::Operation> StartBuild(const v1::BuildIndexRequest& request) {
-    return Call(*retrieval_, &v1::RetrievalService::Stub::BuildIndex, request);
-  }
-
-  absl::StatusOr<v1::Operation> Await(const std::string& operation) {
-    const auto operations = v1::OperationService::NewStub(service_.channel());
-    v1::WaitOperationRequest wait;
-    wait.set_name(operation);
-    wait.set_timeout_seconds(180);
-    return Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
-  }
-
-  v1::Operation Build(const std::string& id, double delta) { return End(StartBuild(id, delta)); }
-
-  // The operation once it has succeeded.
-  v1::Operation End(const absl::StatusOr<v1::Operation>& started) {
-    EXPECT_TRUE(started.ok()) << started.status();
-    const auto done = Await(started->name());
-    EXPECT_TRUE(done.ok()) << done.status();
-    EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
-    return *done;
-  }
-
-  absl::StatusOr<v1::SearchShapesResponse> Search(const v1::SearchShapesRequest& request) {
-    return Call(*retrieval_, &v1::RetrievalService::Stub::SearchShapes, request);
-  }
-
-  absl::StatusOr<v1::ShapeIndex> Index() {
-    v1::GetIndexRequest get;
-    get.set_name("indexes/d2");
-    return Call(*retrieval_, &v1::RetrievalService::Stub::GetIndex, get);
-  }
-
- private:
-  void Connect() {
-    retrieval_ = v1::RetrievalService::NewStub(service_.channel());
-    catalog_stub_ = v1::CatalogService::NewStub(catalog_.channel());
-  }
-
-  const SmallCollection collection_;
-  testing::ServiceUnderTest catalog_{"mortise-catalog", {"--collection=" + collection_.path()}};
-  testing::ServiceUnderTest service_{"mortise-retrieval", {"--peer=catalog=" + catalog_.address()}};
-  std::unique_ptr<v1::RetrievalService::Stub> retrieval_;
-  std::unique_ptr<v1::CatalogService::Stub> catalog_stub_;
-};
-
-constexpr double kFine = 0.15;   // δ of an index that tells the two apart
-constexpr double kCoarse = 0.5;  // of one that is made in seconds
+constexpr double kFine = 0.15;  // δ of an index that tells the two apart
 
 // Searches change nothing: they share an index.
 class SearchTest : public ::testing::Test {
@@ -145,13 +52,6 @@ class SearchTest : public ::testing::Test {
     const auto bytes = testing::ReadChunks(*house_->catalog().ExportDesign(&context, request));
     EXPECT_TRUE(bytes.ok()) << bytes.status();
     return bytes.value_or("");
-  }
-
-  static v1::ParameterValue Value(const std::string& name, double value) {
-    v1::ParameterValue parameter;
-    parameter.set_name(name);
-    parameter.set_value(value);
-    return parameter;
   }
 
   static absl::StatusOr<v1::SearchShapesResponse> Search(const v1::SearchShapesRequest& request) {
@@ -300,8 +200,8 @@ TEST(IndexTest, IsOfTheTemplatesThatWereNamedAlone) {
 }
 
 TEST(IndexTest, IsKeptUpToTheTemplates) {
-  RetrievalHouse house;
-  house.Build("first", kCoarse);
+  const auto built = BuiltState::House();
+  RetrievalHouse& house = *built;
   grpc::ClientContext context;
   testing::Prepare(context);
   v1::FollowEventsRequest follow;

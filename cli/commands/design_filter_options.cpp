@@ -1,0 +1,114 @@
+#include "cli/commands/design_filter_options.h"
+
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "cli/client/requests.h"
+#include "cli/files/available_items.h"
+#include "common/base/errors.h"
+
+namespace mortise::cli {
+namespace {
+
+// "1.2m, 600mm, 0.8" along x, y and z, where 0 is any; one length alone is that of all axes.
+absl::StatusOr<v1::Vector3> SizeOf(const std::string& text, const std::string& flag) {
+  const std::vector<std::string> pieces = absl::StrSplit(text, ',');
+  if (pieces.size() != 1 && pieces.size() != 3) {
+    return InvalidField(flag, absl::StrCat("'", text, "' is neither a length nor X, Y, Z"));
+  }
+  std::vector<double> lengths;
+  for (const std::string& piece : pieces) {
+    const std::string length(absl::StripAsciiWhitespace(piece));
+    MORTISE_ASSIGN_OR_RETURN(lengths.emplace_back(), ParseQuantity(length, flag));
+  }
+  lengths.resize(3, lengths.front());
+  v1::Vector3 size;
+  size.set_x(lengths[0]);
+  size.set_y(lengths[1]);
+  size.set_z(lengths[2]);
+  return size;
+}
+
+absl::StatusOr<v1::Money> PriceOf(const std::string& text) {
+  const std::size_t end = text.find_first_not_of("0123456789.");
+  v1::Money price;
+  double amount = 0;
+  if (!absl::SimpleAtod(text.substr(0, end), &amount)) {
+    return InvalidField("--max-price",
+                        absl::StrCat("'", text, "' is no price: such as 120, or '120 USD'"));
+  }
+  price.set_amount(amount);
+  std::string currency = end == std::string::npos ? "" : text.substr(end);
+  absl::StripAsciiWhitespace(&currency);
+  price.set_currency(currency.empty() ? "EUR" : currency);
+  return price;
+}
+
+}  // namespace
+
+void DesignFilterOptions::AddTo(CLI::App& command) {
+  const std::string group = "What matches are like";
+  command.add_option("--category", categories, "Only of this category; may be repeated")
+      ->group(group);
+  command.add_option("--min-size", min_size, "At least so large: \"0.3 m\", or \"X, Y, Z\"")
+      ->group(group);
+  command.add_option("--max-size", max_size, "At most so large: \"1.2 m\", or \"X, Y, Z\"")
+      ->group(group);
+  command.add_option("--material", materials, "Made of this material; of one of those repeated")
+      ->group(group);
+  command.add_option("--max-price", max_price, "Material costs at most: 120 (EUR), or \"120 USD\"")
+      ->group(group);
+  command
+      .add_option("--item", items,
+                  "Can be built from this item: NAME or NAME=PIECES; may be repeated")
+      ->group(group);
+  command
+      .add_option("--from-items", item_files,
+                  "Can be built from these: a table (.csv) of item and quantity")
+      ->group(group);
+}
+
+void DesignFilterOptions::AddSources(FieldSources* sources) const {
+  sources->Add("categories", "--category");
+  sources->Add("design_filter.min_size", "--min-size");
+  sources->Add("design_filter.max_size", "--max-size");
+  sources->AddEach("design_filter.materials", "--material", materials);
+  sources->Add("design_filter.max_price", "--max-price");
+  if (item_files.empty()) {
+    sources->AddEach("design_filter.items", "--item", items);
+  } else {
+    sources->Add("design_filter.items", "--from-items");
+  }
+}
+
+absl::Status DesignFilterOptions::Fill(v1::SearchShapesRequest* request) const {
+  for (const std::string& each : categories) request->add_categories(each);
+  v1::DesignFilter filter;
+  if (!min_size.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*filter.mutable_min_size(), SizeOf(min_size, "--min-size"));
+  }
+  if (!max_size.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*filter.mutable_max_size(), SizeOf(max_size, "--max-size"));
+  }
+  for (const std::string& each : materials) {
+    filter.add_materials(ResourceName("materials", each));
+  }
+  if (!max_price.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*filter.mutable_max_price(), PriceOf(max_price));
+  }
+  for (const std::string& each : items) {
+    MORTISE_ASSIGN_OR_RETURN(*filter.add_items(), ParseAvailableItem(each));
+  }
+  for (const std::filesystem::path& path : item_files) {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<v1::AvailableItem> read, ReadAvailableItems(path));
+    for (v1::AvailableItem& each : read) *filter.add_items() = std::move(each);
+    if (filter.items().empty()) return InvalidField("--from-items", "has no items");
+  }
+  if (filter.ByteSizeLong() > 0) *request->mutable_design_filter() = std::move(filter);
+  return absl::OkStatus();
+}
+
+}  // namespace mortise::cli

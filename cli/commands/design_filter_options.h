@@ -1,0 +1,32 @@
+// The flags of `mortise search` that say what the designs it finds must be like.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "cli/client/field_sources.h"
+#include "mortise/v1/retrieval.pb.h"
+
+namespace mortise::cli {
+
+struct DesignFilterOptions {
+  std::vector<std::string> categories;
+  std::string min_size, max_size;  // "1.2 m" along every axis, or "1.2m, 0.6m, 0.8m"
+  std::vector<std::string> materials;
+  std::string max_price;           // "120", which is EUR, or "120 USD"
+  std::vector<std::string> items;  // "board" or "board=4"
+  std::vector<std::filesystem::path> item_files;
+
+  void AddTo(CLI::App& command);
+
+  // Which flags the fields of a request come from.
+  void AddSources(FieldSources* sources) const;
+
+  // INVALID_ARGUMENT naming a flag, or a place in a file.
+  absl::Status Fill(v1::SearchShapesRequest* request) const;
+};
+
+}  // namespace mortise::cli

@@ -1,0 +1,46 @@
+// Whether a design is one that somebody can use: its size, what it is made of, what it costs, and
+// whether there is what it takes.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/design/costs/design_cost.h"
+#include "common/design/evaluated_design.h"
+#include "common/design/template_definition.h"
+
+namespace mortise::retrieval {
+
+// What a design must be like; what is not set, every design is.
+struct DesignFilter {
+  // m, of the box around the design along its axes; a nanometre too much or too little is none.
+  Eigen::Vector3d min_size = Eigen::Vector3d::Zero();
+  Eigen::Vector3d max_size = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  // materials/{id} of all parts, but for those that only hold others together.
+  std::optional<std::set<std::string>> materials = {};
+  // What its material costs at most (common/design/costs/design_cost.h), in this currency.
+  std::optional<parametric::Cost> max_price = {};
+  // What it can be built from: pieces as sold by items/{id}, infinity where there are as many as it
+  // takes. All parts and pegs are of these, and take no more, waste not counted.
+  std::optional<std::map<std::string, double>> items = {};
+};
+
+// Whether nothing is set.
+bool IsEmpty(const DesignFilter& filter);
+
+// Whether there can be a design of these items and materials that meets the filter: false only
+// where there is none. It is told without making one.
+bool MayMeet(const DesignFilter& filter, const std::vector<std::string>& items,
+             const std::vector<std::string>& materials);
+
+// Whether the design meets every part of the filter; `items` are those of its template. A design
+// without parts meets none that is not empty.
+bool Meets(const DesignFilter& filter, const parametric::EvaluatedDesign& design,
+           const std::vector<parametric::Item>& items);
+
+}  // namespace mortise::retrieval
