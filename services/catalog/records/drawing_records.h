@@ -1,17 +1,10 @@
-// STEP files that were uploaded for an import: bytes in the blob folder, and a record that says
-// since when.
-//
-// The record comes first and goes last. It is committed before its blob is put into place, so that
-// no crash leaves a blob that nobody knows of; and the blob is removed while the record's deletion
-// has it locked, so that none vanishes under a record that was written meanwhile. A record whose
-// blob never came counts as a drawing that has not been uploaded, and is forgotten like any other.
+// Drawings, STEP files and meshes, that were uploaded for an import (host/uploaded_files.h).
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/rpc/stream_reactors.h"

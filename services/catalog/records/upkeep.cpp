@@ -1,9 +1,6 @@
-// The hourly thread.
 #include "services/catalog/records/upkeep.h"
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 
 #include "absl/time/clock.h"
 #include "common/base/logging.h"
@@ -16,17 +13,6 @@ namespace mortise::catalog {
 namespace {
 
 constexpr std::chrono::hours kPause{1};
-
-void Run(const std::stop_token& stop, store::Store* store, store::BlobFolder* blobs,
-         const std::filesystem::path& folder) {
-  std::mutex mutex;
-  std::condition_variable_any stopped;
-  std::unique_lock lock(mutex);
-  while (!stop.stop_requested()) {
-    TidyUp(store, blobs, folder);
-    stopped.wait_for(lock, stop, kPause, [] { return false; });
-  }
-}
 
 }  // namespace
 
@@ -54,8 +40,6 @@ void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem
 }
 
 Upkeep::Upkeep(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder)
-    : thread_([store, blobs, folder](const std::stop_token& stop) {
-        Run(stop, store, blobs, folder);
-      }) {}
+    : work_(kPause, [store, blobs, folder] { TidyUp(store, blobs, folder); }) {}
 
 }  // namespace mortise::catalog

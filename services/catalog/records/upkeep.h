@@ -3,9 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <thread>
 
 #include "absl/time/time.h"
+#include "common/base/repeated_work.h"
 
 namespace mortise::store {
 class BlobFolder;
@@ -28,7 +28,7 @@ class Upkeep {
   Upkeep(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder);
 
  private:
-  std::jthread thread_;
+  const RepeatedWork work_;
 };
 
 }  // namespace mortise::catalog
