@@ -20,6 +20,8 @@
 namespace mortise::cli {
 namespace {
 
+constexpr std::size_t kMostInFile = std::size_t{64} << 20;  // bytes, as the service takes them
+constexpr double kUploadSeconds = 600;
 constexpr double kSeconds = 60;  // that a search may take
 constexpr double kSecondsWithFits = 300;
 
@@ -68,14 +70,6 @@ absl::StatusOr<v1::ShapeDescriptor> DescriptorOf(const std::string& name) {
                       absl::StrCat("'", name, "' is none of d2, voxel, light-field"));
 }
 
-absl::StatusOr<v1::Axis> AxisOf(const std::string& name) {
-  if (name.empty()) return v1::AXIS_UNSPECIFIED;
-  if (name == "x") return v1::X;
-  if (name == "y") return v1::Y;
-  if (name == "z") return v1::Z;
-  return InvalidField("--up", absl::StrCat("'", name, "' is none of x, y, z"));
-}
-
 absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) {
   if (options.mesh.empty() == options.design.empty()) {
     return InvalidField("MESH", "give a file with a mesh, or a template with --design");
@@ -92,10 +86,10 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) 
   MORTISE_RETURN_IF_ERROR(options.filter.Fill(&request));
   if (options.design.empty()) {
     v1::QueryMesh& mesh = *request.mutable_mesh();
-    MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh));
+    MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh, kMostInFile));
     mesh.set_file_name(std::filesystem::path(options.mesh).filename().string());
     mesh.set_length_unit(options.unit);
-    MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, AxisOf(options.up));
+    MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, ParseAxis(options.up, "--up"));
     mesh.set_up(up);
     return request;
   }
@@ -125,10 +119,30 @@ std::string RemainderOf(const v1::ShapeFit& fit) {
   return text;
 }
 
+// Brings a file that is too large for a message to the service, and names it instead.
+absl::Status Upload(v1::QueryMesh& mesh, v1::RetrievalService::Stub& stub,
+                    const GatewayClient& client) {
+  v1::UploadMeshResponse response;
+  MORTISE_RETURN_IF_ERROR(client.Call(
+      [&](grpc::ClientContext& context) {
+        const auto writer = stub.UploadMesh(&context, &response);
+        Send(mesh.file(), *writer);
+        return rpc::FromGrpc(writer->Finish());
+      },
+      kUploadSeconds));
+  mesh.clear_file();
+  mesh.set_upload(response.sha256());
+  return absl::OkStatus();
+}
+
 absl::Status Search(const SearchOptions& options, Session& session, Output& output) {
-  MORTISE_ASSIGN_OR_RETURN(const v1::SearchShapesRequest request, RequestOf(options));
+  MORTISE_ASSIGN_OR_RETURN(v1::SearchShapesRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
+  if (request.mesh().file().size() > kMostInMessage) {
+    MORTISE_RETURN_IF_ERROR(
+        SourcesOf(options).Name(Upload(*request.mutable_mesh(), *stub, *client)));
+  }
   v1::SearchShapesResponse found;
   MORTISE_RETURN_IF_ERROR(client->Call(
       [&](grpc::ClientContext& context) {

@@ -227,6 +227,7 @@ constexpr Example kExamples[] = {
      "materials: 'materials/pine' max_price { currency: 'EUR' amount: 200 } "
      "items { item: 'items/board' quantity: 4 } }",
      Outcome::kRefused},
+    {"RetrievalService/UploadMesh", "data: 'abc' total_size: 4", Outcome::kRefused},
     {"RetrievalService/BuildIndex", "request_id: 'bad-50' templates: 'templates/table'",
      Outcome::kChanges},
     {"RetrievalService/GetIndex", "name: 'indexes/voxel'", Outcome::kRefused},

@@ -16,19 +16,6 @@
 namespace mortise::retrieval {
 namespace {
 
-mesh::UpAxis UpAxisOf(v1::Axis axis) {
-  switch (axis) {
-    case v1::X:
-      return mesh::UpAxis::kX;
-    case v1::Y:
-      return mesh::UpAxis::kY;
-    case v1::Z:
-      return mesh::UpAxis::kZ;
-    default:
-      return mesh::UpAxis::kUnknown;
-  }
-}
-
 // Metres for each of the file's units, where somebody says so.
 absl::StatusOr<std::optional<double>> StatedUnit(const v1::QueryMesh& query) {
   if (query.length_unit().empty()) return std::nullopt;
@@ -36,33 +23,25 @@ absl::StatusOr<std::optional<double>> StatedUnit(const v1::QueryMesh& query) {
   return std::optional(metres);
 }
 
-// In metres where the unit is known, z upwards.
-mesh::Scene Settled(mesh::Scene scene, v1::Axis stated_up, std::optional<double> unit) {
-  mesh::UpAxis up = UpAxisOf(stated_up);
-  if (up == mesh::UpAxis::kUnknown) up = scene.up;
-  if (up != mesh::UpAxis::kUnknown) scene = mesh::TurnedUpright(std::move(scene), up);
-  if (!unit) unit = scene.unit;
-  if (!unit) {
-    if (const std::optional<mesh::UnitGuess> guess = mesh::GuessUnit(scene)) {
-      unit = guess->unit;
-      scene.notes.push_back(guess->remark);
-    } else {
-      scene.notes.push_back("The unit is not known: give length_unit for sizes in metres.");
-    }
+// The bytes that were sent or uploaded.
+absl::StatusOr<std::string> BytesOf(const v1::QueryMesh& query, const UploadedMeshes& meshes) {
+  if (query.upload().empty()) {
+    if (query.file().empty()) return InvalidField("file", "is missing");
+    return query.file();
   }
-  return unit ? mesh::Scaled(std::move(scene), *unit) : scene;
+  if (!query.file().empty()) return InvalidField("upload", "give either this or 'file'");
+  return meshes.Get(query.upload());
 }
 
-absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query) {
+absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query, const UploadedMeshes& meshes) {
   const absl::StatusOr<std::optional<double>> unit = StatedUnit(query);
-  const absl::Status file =
-      query.file().empty() ? InvalidField("file", "is missing") : absl::OkStatus();
-  MORTISE_RETURN_IF_ERROR(UnderField("mesh", Together(file, unit.status())));
-  absl::StatusOr<mesh::Scene> read = mesh::ReadScene(query.file(), query.file_name());
+  const absl::StatusOr<std::string> bytes = BytesOf(query, meshes);
+  MORTISE_RETURN_IF_ERROR(UnderField("mesh", Together(bytes.status(), unit.status())));
+  absl::StatusOr<mesh::Scene> read = mesh::ReadScene(*bytes, query.file_name());
   if (absl::IsInvalidArgument(read.status())) return UnderField("mesh", read.status());
   MORTISE_RETURN_IF_ERROR(read.status());
   const bool unit_is_known = unit->has_value() || read->unit.has_value();
-  mesh::Scene scene = Settled(*std::move(read), query.up(), *unit);
+  mesh::Scene scene = mesh::Settled(*std::move(read), mesh::UpAxisOf(query.up()), *unit);
   mesh::SceneComponent joined = mesh::Joined(scene);
   return QueryShape{.surface = {std::move(joined.vertices), std::move(joined.triangles)},
                     .notes = std::move(scene.notes),
@@ -94,12 +73,12 @@ absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSour
 }  // namespace
 
 absl::StatusOr<QueryShape> ReadQuery(const v1::SearchShapesRequest& request,
-                                     TemplateSource& templates, const rpc::Origin& origin) {
+                                     const Retrieval& retrieval, const rpc::Origin& origin) {
   switch (request.query_case()) {
     case v1::SearchShapesRequest::kMesh:
-      return ReadMesh(request.mesh());
+      return ReadMesh(request.mesh(), retrieval.meshes);
     case v1::SearchShapesRequest::kDesign: {
-      absl::StatusOr<QueryShape> shape = ReadDesign(request.design(), templates, origin);
+      absl::StatusOr<QueryShape> shape = ReadDesign(request.design(), retrieval.templates, origin);
       if (absl::IsInvalidArgument(shape.status())) return UnderField("design", shape.status());
       return shape;
     }
@@ -109,4 +88,12 @@ absl::StatusOr<QueryShape> ReadQuery(const v1::SearchShapesRequest& request,
   return InvalidField("query", "a mesh or a design is missing");
 }
 
+namespace methods {
+
+absl::StatusOr<std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadMeshResponse>>> UploadMesh(
+    const Retrieval& retrieval, const rpc::Call&) {
+  return retrieval.meshes.Receive();
+}
+
+}  // namespace methods
 }  // namespace mortise::retrieval

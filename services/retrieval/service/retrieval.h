@@ -4,6 +4,7 @@
 #include "common/host/run_service.h"
 #include "services/retrieval/service/loaded_indexes.h"
 #include "services/retrieval/service/template_source.h"
+#include "services/retrieval/service/uploaded_meshes.h"
 
 namespace mortise::retrieval {
 
@@ -11,6 +12,7 @@ struct Retrieval {
   rpc::ServiceEnvironment& environment;
   TemplateSource& templates;
   LoadedIndexes& indexes;
+  const UploadedMeshes& meshes;
 };
 
 }  // namespace mortise::retrieval

@@ -11,6 +11,7 @@
 #include "services/retrieval/service/index_methods.h"
 #include "services/retrieval/service/index_operation.h"
 #include "services/retrieval/service/index_upkeep.h"
+#include "services/retrieval/service/query_shape.h"
 #include "services/retrieval/service/retrieval.h"
 #include "services/retrieval/service/search_methods.h"
 
@@ -25,7 +26,8 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
                    std::shared_ptr<grpc::Channel> catalog)
       : templates_(catalog),
         indexes_(environment.store, blobs),
-        retrieval_{environment, templates_, indexes_},
+        meshes_(environment.store, blobs, environment.options.blobs),
+        retrieval_{environment, templates_, indexes_, meshes_},
         endpoint_(environment.dispatcher, "mortise.v1.RetrievalService"),
         upkeep_(environment, std::move(catalog), templates_) {
     environment.operations->Register(
@@ -35,6 +37,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
   }
 
   MORTISE_QUERY(SearchShapes, rpc::With(retrieval_, methods::SearchShapes))
+  MORTISE_UPLOAD(UploadMesh, rpc::With(retrieval_, methods::UploadMesh))
   MORTISE_MUTATION(BuildIndex, rpc::With(retrieval_, methods::BuildIndex))
   MORTISE_QUERY(GetIndex, rpc::With(retrieval_, methods::GetIndex))
   MORTISE_QUERY(ListIndexFamilies, rpc::With(retrieval_, methods::ListIndexFamilies))
@@ -43,6 +46,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
  private:
   TemplateSource templates_;
   LoadedIndexes indexes_;
+  const UploadedMeshes meshes_;
   std::timed_mutex turn_;  // of builds
   const Retrieval retrieval_;
   rpc::Endpoint endpoint_;

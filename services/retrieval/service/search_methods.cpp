@@ -112,7 +112,7 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   const rpc::Origin origin = rpc::ForwardedFrom(call);
   const absl::StatusOr<SearchFilter> filter = ReadSearchFilter(request);
   const absl::Status checked = Together(CheckSearch(request), filter.status());
-  const absl::StatusOr<QueryShape> query = ReadQuery(request, retrieval.templates, origin);
+  const absl::StatusOr<QueryShape> query = ReadQuery(request, retrieval, origin);
   MORTISE_RETURN_IF_ERROR(Together(checked, query.status()));
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedIndex> index,
                            retrieval.indexes.Get(request.shape_descriptor()));

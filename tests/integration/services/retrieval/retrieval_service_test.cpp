@@ -54,6 +54,27 @@ class SearchTest : public ::testing::Test {
     return bytes.value_or("");
   }
 
+  // Sends a file in pieces, the first of which says how large it is; its digest.
+  static absl::StatusOr<std::string> Upload(const std::string& file, int64_t declared) {
+    constexpr std::size_t kPiece = 512 * 1024;
+    grpc::ClientContext context;
+    testing::Prepare(context);
+    v1::UploadMeshResponse response;
+    const auto writer = house_->retrieval().UploadMesh(&context, &response);
+    v1::Chunk chunk;
+    chunk.set_total_size(declared);
+    for (std::size_t at = 0; at < file.size(); at += kPiece) {
+      chunk.set_offset(static_cast<int64_t>(at));
+      chunk.set_data(file.substr(at, kPiece));
+      if (!writer->Write(chunk)) break;
+      chunk.Clear();
+    }
+    writer->WritesDone();
+    const grpc::Status status = writer->Finish();
+    if (!status.ok()) return rpc::FromGrpc(status);
+    return response.sha256();
+  }
+
   static absl::StatusOr<v1::SearchShapesResponse> Search(const v1::SearchShapesRequest& request) {
     return house_->Search(request);
   }
@@ -89,6 +110,30 @@ TEST_F(SearchTest, FindsTheTemplateThatAMeshWasMadeOf) {
   EXPECT_LT(found->matches(0).distance(), found->matches(1).distance());
   EXPECT_EQ(found->matches(0).parameters_size(), 6);
   EXPECT_EQ(found->sheet().substr(1, 3), "PNG");
+}
+
+TEST_F(SearchTest, TakesMeshesThatOutgrowAMessage) {
+  std::string file = ObjOf("templates/table", {Value("length", 1.6)});
+  file.insert(0, std::string(5'000'000, '#') + "\n");
+  const auto uploaded = Upload(file, static_cast<int64_t>(file.size()));
+  ASSERT_TRUE(uploaded.ok()) << uploaded.status();
+  v1::SearchShapesRequest request;
+  request.mutable_mesh()->set_upload(*uploaded);
+  request.mutable_mesh()->set_length_unit("m");
+  const auto found = Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->matches(0).template_(), "templates/table");
+  request.mutable_mesh()->set_file("v 0 0 0");
+  EXPECT_EQ(DetailOf(Search(request).status()).field, "mesh.upload");
+  request.mutable_mesh()->clear_file();
+  request.mutable_mesh()->set_upload(std::string(64, '0'));
+  EXPECT_EQ(DetailOf(Search(request).status()).field, "mesh.upload");
+}
+
+TEST_F(SearchTest, RefusesUploadsThatAreTooLargeAtOnce) {
+  const absl::Status refused = Upload("# a mesh", int64_t{2} << 30).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+  EXPECT_EQ(DetailOf(Upload("v 0 0 0", 1000).status()).field, "total_size");
 }
 
 TEST_F(SearchTest, FindsADesignByTheParametersOfItsMatch) {
