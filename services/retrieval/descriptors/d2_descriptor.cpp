@@ -33,25 +33,19 @@ Eigen::MatrixXd MakeKernels(const D2Settings& settings) {
   return kernels;
 }
 
-// Coordinates by axis, so that distances to one point are computed several at a time: more of them
-// in single precision, which is enough for distances that are binned.
-template <typename Scalar>
+// Coordinates by axis, so that distances to one point are computed several at a time.
 struct PointColumns {
-  using Numbers = Eigen::Array<Scalar, Eigen::Dynamic, 1>;
-
   explicit PointColumns(const Eigen::Matrix3Xd& points)
-      : x(points.row(0).cast<Scalar>()),
-        y(points.row(1).cast<Scalar>()),
-        z(points.row(2).cast<Scalar>()) {}
+      : x(points.row(0)), y(points.row(1)), z(points.row(2)) {}
 
   // The distances of point i to those before it, to the beginning of `distances`.
-  void DistancesBefore(Eigen::Index i, Numbers& distances) const {
+  void DistancesBefore(Eigen::Index i, Eigen::ArrayXd& distances) const {
     distances.head(i) =
         ((x.head(i) - x[i]).square() + (y.head(i) - y[i]).square() + (z.head(i) - z[i]).square())
             .sqrt();
   }
 
-  Numbers x, y, z;
+  Eigen::ArrayXd x, y, z;
 };
 
 struct PairSums {
@@ -59,14 +53,14 @@ struct PairSums {
   double distance = 0;  // weighted
 };
 
-PairSums SumPairs(const PointColumns<float>& points, const Eigen::VectorXd& weights) {
+PairSums SumPairs(const PointColumns& points, const Eigen::VectorXd& weights) {
   PairSums sums;
-  Eigen::ArrayXf distances(weights.size());
+  Eigen::ArrayXd distances(weights.size());
   double before = 0;
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     points.DistancesBefore(i, distances);
     sums.weight += weights[i] * before;
-    sums.distance += weights[i] * weights.head(i).dot(distances.head(i).cast<double>().matrix());
+    sums.distance += weights[i] * weights.head(i).dot(distances.head(i).matrix());
     before += weights[i];
   }
   return sums;
@@ -80,8 +74,8 @@ class BinPlaces {
       : bins_a_unit_(bins_a_unit), last_(static_cast<float>(bins - 2)), bin_(most), beyond_(most) {}
 
   // Looks up the first `count` of `distances`.
-  void Find(const Eigen::ArrayXf& distances, Eigen::Index count) {
-    beyond_.head(count) = (distances.head(count) * static_cast<float>(bins_a_unit_)).min(last_);
+  void Find(const Eigen::ArrayXd& distances, Eigen::Index count) {
+    beyond_.head(count) = (distances.head(count) * bins_a_unit_).cast<float>().min(last_);
     bin_.head(count) = beyond_.head(count).cast<int>();
     beyond_.head(count) -= bin_.head(count).cast<float>();
   }
@@ -101,18 +95,19 @@ class BinPlaces {
 // The weight in each bin. Neighbours in the loop go to different tables, as they often hit the same
 // bin and would wait for each other. A table has two numbers a bin: the weight of
 // what lies from there to the next bin, and that weight times how far beyond the bin it lies.
-Eigen::VectorXd BinPairs(const PointColumns<float>& points, const Eigen::VectorXd& weights,
+Eigen::VectorXd BinPairs(const PointColumns& points, const Eigen::VectorXd& weights,
                          BinPlaces& places, Eigen::Index bins) {
   constexpr Eigen::Index kTables = 4;
   Eigen::Matrix2Xd tables = Eigen::Matrix2Xd::Zero(2, bins * kTables);
-  Eigen::ArrayXf distances(weights.size());
+  Eigen::ArrayXd distances(weights.size());
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     points.DistancesBefore(i, distances);
     places.Find(distances, i);
     for (Eigen::Index j = 0; j < i; ++j) {
       const double weight = weights[i] * weights[j];
-      tables.col(places.bin(j) * kTables + (j & (kTables - 1))) +=
-          Eigen::Vector2d(weight, weight * places.beyond(j));
+      double* const cell = &tables(0, places.bin(j) * kTables + (j & (kTables - 1)));
+      cell[0] += weight;
+      cell[1] += weight * places.beyond(j);
     }
   }
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(bins);
@@ -150,7 +145,7 @@ class BoundD2 : public BoundDescriptor {
       std::span<const Eigen::Matrix3Xd> velocities) const override;
 
  private:
-  std::vector<PairRates> RatesOf(const PointColumns<double>& points, const Eigen::VectorXd& weights,
+  std::vector<PairRates> RatesOf(const PointColumns& points, const Eigen::VectorXd& weights,
                                  const std::vector<PointVelocities>& moving, BinPlaces& places,
                                  Eigen::VectorXd& stretching) const;
 
@@ -164,7 +159,7 @@ absl::StatusOr<DescriptorDerivatives> BoundD2::Differentiate(
     const Eigen::Matrix3Xd& vertices, std::span<const Eigen::Matrix3Xd> velocities) const {
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd placed, ToReferenceBox(surface_, vertices));
   const WeightedPoints sampled = samples_.At(placed);
-  const PointColumns<float> points(sampled.positions);
+  const PointColumns points(sampled.positions);
   const PairSums sums = SumPairs(points, sampled.weights);
   if (!(sums.distance > 0)) return InvalidField("vertices", "the surface has no area");
   const double mean = sums.distance / sums.weight;
@@ -185,7 +180,7 @@ absl::StatusOr<DescriptorDerivatives> BoundD2::Differentiate(
   }
   Eigen::VectorXd stretching;
   const std::vector<PairRates> rates =
-      RatesOf(PointColumns<double>(sampled.positions), sampled.weights, moving, places, stretching);
+      RatesOf(PointColumns(sampled.positions), sampled.weights, moving, places, stretching);
   for (std::size_t k = 0; k < rates.size(); ++k) {
     const double mean_rate = (rates[k].distance - mean * rates[k].weight) / sums.weight;
     const Eigen::VectorXd bins_rate =
@@ -197,27 +192,25 @@ absl::StatusOr<DescriptorDerivatives> BoundD2::Differentiate(
 }
 
 // `stretching` becomes the derivative of the bins if all distances grow in proportion.
-std::vector<PairRates> BoundD2::RatesOf(const PointColumns<double>& points,
-                                        const Eigen::VectorXd& weights,
+std::vector<PairRates> BoundD2::RatesOf(const PointColumns& points, const Eigen::VectorXd& weights,
                                         const std::vector<PointVelocities>& moving,
                                         BinPlaces& places, Eigen::VectorXd& stretching) const {
   const Eigen::Index bins = kernels_->cols();
   stretching = Eigen::VectorXd::Zero(bins);
   std::vector<PairRates> rates(moving.size(), {0, 0, Eigen::VectorXd::Zero(bins)});
-  std::vector<PointColumns<double>> speeds;
+  std::vector<PointColumns> speeds;
   for (const PointVelocities& field : moving) speeds.emplace_back(field.positions);
   Eigen::ArrayXd distances(weights.size());
   for (Eigen::Index i = 1; i < weights.size(); ++i) {
     points.DistancesBefore(i, distances);
-    const Eigen::ArrayXf rough = distances.head(i).cast<float>();
-    places.Find(rough, i);
+    places.Find(distances, i);
     for (Eigen::Index j = 0; j < i; ++j) {
       const double moved = weights[i] * weights[j] * distances[j] * places.bins_a_unit();
       stretching[places.bin(j)] -= moved;
       stretching[places.bin(j) + 1] += moved;
     }
     for (std::size_t k = 0; k < moving.size(); ++k) {
-      const PointColumns<double>& speed = speeds[k];
+      const PointColumns& speed = speeds[k];
       const Eigen::ArrayXd distance_rates =
           ((points.x.head(i) - points.x[i]) * (speed.x.head(i) - speed.x[i]) +
            (points.y.head(i) - points.y[i]) * (speed.y.head(i) - speed.y[i]) +
