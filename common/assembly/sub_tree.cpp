@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <numeric>
+#include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -152,7 +155,47 @@ void AddJoints(const Assembly& assembly, const std::vector<int>& index_of, Assem
   }
 }
 
+// What a part looks like, and where it lies from `corner` in multiples of `tolerance`.
+using Appearance = std::tuple<const mesh::DrawnShape*, std::string, bool, std::vector<long>>;
+
+Appearance AppearanceOf(const AssemblyPart& part, const Eigen::Vector3d& corner, double tolerance) {
+  std::vector<long> numbers;
+  for (int axis = 0; axis < 3; ++axis) {
+    numbers.push_back(std::lround((part.box.minimum[axis] - corner[axis]) / tolerance));
+    numbers.push_back(std::lround(part.box.size()[axis] / tolerance));
+    numbers.push_back(static_cast<long>(part.item_axes[static_cast<std::size_t>(axis)]));
+  }
+  return {part.shape.get(), part.item, part.connecting, std::move(numbers)};
+}
+
+std::vector<Appearance> AppearanceOf(const Assembly& assembly, double tolerance) {
+  Eigen::Vector3d corner = assembly.parts.front().box.minimum;
+  for (const AssemblyPart& part : assembly.parts) corner = corner.cwiseMin(part.box.minimum);
+  std::vector<Appearance> parts;
+  for (const AssemblyPart& part : assembly.parts) {
+    parts.push_back(AppearanceOf(part, corner, tolerance));
+  }
+  std::sort(parts.begin(), parts.end());
+  return parts;
+}
+
 }  // namespace
+
+std::vector<std::string> DistinctSubTrees(const Assembly& assembly) {
+  // Coarser than what drawings are exact to, so that rounding seldom tells like from like.
+  const double tolerance = 1000 * ToleranceOf(assembly);
+  std::vector<std::string> names;
+  std::set<std::vector<Appearance>> known;
+  for (std::size_t group = 1; group < assembly.groups.size(); ++group) {
+    const std::string& name = assembly.groups[group].name;
+    const absl::StatusOr<Assembly> made = SubTreeOf(assembly, name);
+    if (!made.ok() || made->parts.size() < 2 || made->parts.size() == assembly.parts.size()) {
+      continue;
+    }
+    if (known.insert(AppearanceOf(*made, tolerance)).second) names.push_back(name);
+  }
+  return names;
+}
 
 absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node) {
   if (node.empty()) return assembly;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/assembly/model/assembly.h"
@@ -22,5 +23,12 @@ namespace mortise::parametric {
 // INVALID_ARGUMENT, "group", where nothing is called so, or it has no principal parts. Fails also
 // as FindTouchingParts does.
 absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node);
+
+// Returns the names of the groups of a valid assembly whose sub-trees are things by themselves, in
+// the order of the groups: those with at least two parts, and fewer than the whole. Of several that
+// look the same, as the drawers of a cabinet do, the first stands for all: their parts have the
+// same shapes, items and sizes in the same places, but for where the sub-tree stands. Groups that
+// SubTreeOf refuses are left out.
+std::vector<std::string> DistinctSubTrees(const Assembly& assembly);
 
 }  // namespace mortise::parametric

@@ -141,5 +141,30 @@ TEST(SubTreeTest, ASubTreeIsParametrisedAsAnyAssembly) {
   EXPECT_FALSE(made.RangeOf({"lid board", Axis::kX, MeasureKind::kSize}).ok());
 }
 
+// Two drawers that look the same, a third one that is wider, and a group of one part.
+TEST(DistinctSubTreesTest, OfThoseThatLookTheSameTheFirstStandsForAll) {
+  Assembly chest;
+  chest.name = "chest";
+  chest.groups = {{"chest", -1}, {"upper", 0}, {"lower", 0}, {"wide", 0}, {"lid", 0}};
+  for (int drawer = 0; drawer < 3; ++drawer) {
+    const double z = 0.3 * drawer, width = drawer == 2 ? 0.6 : 0.5;
+    const std::string number = std::to_string(drawer);
+    chest.parts.push_back(
+        ResizablePart("front " + number, {0, 0, z}, {width, 0.02, z + 0.2}, drawer + 1));
+    chest.parts.push_back(
+        ResizablePart("bottom " + number, {0, 0.02, z}, {width, 0.4, z + 0.01}, drawer + 1));
+  }
+  chest.parts.push_back(ResizablePart("lid", {0, 0, 0.9}, {0.6, 0.4, 0.92}, 4));
+  EXPECT_THAT(DistinctSubTrees(chest), ElementsAre("upper", "wide"));
+}
+
+TEST(DistinctSubTreesTest, TheWholeIsNone) {
+  EXPECT_THAT(DistinctSubTrees(TwoLeggedTable()), IsEmpty());
+  Assembly table = TwoLeggedTable();
+  table.groups.push_back({"all of it", 0});
+  for (AssemblyPart& part : table.parts) part.group = 1;
+  EXPECT_THAT(DistinctSubTrees(table), IsEmpty());
+}
+
 }  // namespace
 }  // namespace mortise::parametric
