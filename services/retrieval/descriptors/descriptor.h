@@ -41,8 +41,8 @@ struct DescriptorProperties {
   double natural_scale = 1;
   // How far apart the vectors of one shape may be if it is meshed or placed differently.
   double sampling_noise = 0;
-  // What a bound descriptor's value is off a smooth function by, when vertices move: its rounding and
-  // its kinks.
+  // What a bound descriptor's value is off a smooth function by, when vertices move: its rounding
+  // and its kinks.
   double bound_noise = 0;
   // Whether BoundDescriptor::Differentiate is exact, and no difference of values.
   bool differentiates_exactly = false;
