@@ -14,6 +14,7 @@
 #include "common/base/violation_lists.h"
 #include "common/design/costs/design_cost.h"
 #include "common/templates/template_codec.h"
+#include "mortise/v1/events.grpc.pb.h"
 #include "services/retrieval/filters/design_filter.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/retrieval/retrieval_house.h"
@@ -279,6 +280,76 @@ TEST_F(SearchFilterTest, FamiliesComeInPages) {
   list.set_name("indexes/none");
   EXPECT_TRUE(absl::IsNotFound(
       Call(house_->retrieval(), &v1::RetrievalService::Stub::ListIndexFamilies, list).status()));
+}
+
+TEST(SearchWithoutCatalogTest, AsksTheCatalogForNothingThatTheIndexKnows) {
+  const auto built = BuiltState::House();
+  RetrievalHouse& house = *built;
+  v1::ExportDesignRequest exported;
+  exported.set_name("templates/table");
+  exported.set_format(v1::ExportDesignRequest::OBJ);
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  const auto bytes = testing::ReadChunks(*house.catalog().ExportDesign(&context, exported));
+  ASSERT_TRUE(bytes.ok()) << bytes.status();
+  v1::GetTemplateRequest get;
+  get.set_name("templates/table");
+  const auto table = Call(house.catalog(), &v1::CatalogService::Stub::GetTemplate, get);
+  ASSERT_TRUE(table.ok()) << table.status();
+
+  house.catalog_process().Kill();
+  v1::SearchShapesRequest request;
+  request.mutable_mesh()->set_file(*bytes);
+  request.mutable_filter()->set_creator(table->creator());
+  request.add_templates("templates/table");
+  const auto found = house.Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches_size(), 1);
+  const v1::ShapeMatch& match = found->matches(0);
+  EXPECT_EQ(match.template_(), "templates/table");
+  EXPECT_EQ(match.title(), table->title());
+  ASSERT_EQ(match.parameters_size(), table->parameters_size());
+  for (int i = 0; i < table->parameters_size(); ++i) {
+    EXPECT_EQ(match.parameters(i).name(), table->parameters(i).name());
+  }
+}
+
+// Labels are no content: a revision with others has the same designs, and the same cover.
+TEST(SearchWithoutCatalogTest, KnowsLabelsThatHaveChangedSinceWithoutCoveringAgain) {
+  const auto built = BuiltState::House();
+  RetrievalHouse& house = *built;
+  const auto before = house.Index();
+  ASSERT_TRUE(before.ok()) << before.status();
+  grpc::ClientContext context;
+  testing::Prepare(context);
+  v1::FollowEventsRequest follow;
+  follow.set_after_number(0);
+  follow.add_type_prefixes("index.");
+  const auto stub = v1::EventService::NewStub(house.channel());
+  const auto events = stub->FollowEvents(&context, follow);
+
+  v1::GetTemplateRequest get;
+  get.set_name("templates/table");
+  const auto table = Call(house.catalog(), &v1::CatalogService::Stub::GetTemplate, get);
+  ASSERT_TRUE(table.ok()) << table.status();
+  v1::ImportTemplateRequest import;
+  import.set_request_id("labels");
+  import.set_expected_revision(table->revision());
+  *import.mutable_template_() = *table;
+  (*import.mutable_template_()->mutable_labels())["category"] = "table";
+  const auto imported = Call(house.catalog(), &v1::CatalogService::Stub::ImportTemplate, import);
+  ASSERT_TRUE(imported.ok()) << imported.status();
+
+  v1::ShapeIndex index;
+  for (v1::Event event; events->Read(&event);) {
+    index = *house.Index();
+    if (index.current() && index.families(1).template_revision() == imported->revision()) break;
+  }
+  context.TryCancel();
+  ASSERT_EQ(index.families(1).template_(), "templates/table");
+  EXPECT_EQ(index.families(1).labels().at("category"), "table");
+  EXPECT_EQ(index.sha256(), before->sha256());
+  EXPECT_EQ(index.families(1).evaluations(), before->families(1).evaluations());
 }
 
 }  // namespace
