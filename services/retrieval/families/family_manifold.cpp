@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "common/assembly/polyhedra/polyhedron_extents.h"
 #include "common/base/errors.h"
 #include "common/design/parameter_values.h"
 #include "services/retrieval/cover/differences.h"
 #include "services/retrieval/descriptors/descriptor_jacobian.h"
 #include "services/retrieval/families/design_surface.h"
+#include "services/retrieval/families/parameter_domain.h"
 
 namespace mortise::retrieval {
 namespace {
@@ -25,9 +25,6 @@ using Eigen::VectorXd;
 constexpr int kScouts = 256;  // designs whose structures are looked up beforehand
 constexpr std::size_t kMostStructures = 64;
 constexpr std::uint64_t kScoutSeed = 17;
-// Of how far designs go along a limit among parameters: so far within it is known to be, however
-// evaluations round.
-constexpr double kWithin = 1e-6;
 constexpr double kLeastStep = 1e-3;  // of a difference's: with less room there is none
 
 // The designs of one structure, described through one choice of points on a reference.
@@ -183,18 +180,6 @@ int StructureNumber(const Family& family, const VectorXd& q) {
   return number;
 }
 
-// The limits among parameters, each a little within.
-absl::StatusOr<LinearConstraints> CutsOf(const templates::Template& function,
-                                         const LinearConstraints& box) {
-  MORTISE_ASSIGN_OR_RETURN(auto limits, function.LimitsAmongParameters());
-  if (limits.bounds.size() == 0) return LinearConstraints{limits.normals, limits.bounds};
-  const LinearConstraints all = BothConstraints(box, {limits.normals, limits.bounds});
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Extents extents,
-                           parametric::ExtentsAlong(all.normals, all.bounds, limits.normals));
-  limits.bounds -= kWithin * (extents.greatest - extents.least);
-  return LinearConstraints{limits.normals, limits.bounds};
-}
-
 absl::Status AddStructure(const VectorXd& q, Family* family) {
   MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family->function, q));
   if (family->Find(design.structure) != nullptr) return absl::OkStatus();
@@ -217,28 +202,16 @@ void AddStructuresOf(const std::vector<VectorXd>& samples, Family* family) {
   }
 }
 
-// The box of the parameters, cut by the limits among them.
-absl::StatusOr<ManifoldFunctions> DomainOf(const templates::Template& function) {
-  const std::vector<parametric::Parameter>& parameters = function.parameters();
-  const auto count = static_cast<Index>(parameters.size());
-  ManifoldFunctions functions;
-  functions.lower.resize(count);
-  functions.upper.resize(count);
-  for (Index i = 0; i < count; ++i) {
-    functions.lower[i] = parameters[static_cast<std::size_t>(i)].minimum;
-    functions.upper[i] = parameters[static_cast<std::size_t>(i)].maximum;
-  }
-  MORTISE_ASSIGN_OR_RETURN(functions.cuts,
-                           CutsOf(function, BoxConstraints(functions.lower, functions.upper)));
-  return functions;
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
     std::shared_ptr<const templates::Template> function,
     std::shared_ptr<const Descriptor> descriptor) {
-  MORTISE_ASSIGN_OR_RETURN(ManifoldFunctions functions, DomainOf(*function));
+  MORTISE_ASSIGN_OR_RETURN(ParameterDomain box, DomainOf(*function));
+  ManifoldFunctions functions;
+  functions.lower = std::move(box.lower);
+  functions.upper = std::move(box.upper);
+  functions.cuts = std::move(box.cuts);
   auto family = std::make_shared<Family>();
   family->function = std::move(function);
   family->descriptor = std::move(descriptor);

@@ -4,12 +4,14 @@
 #include <memory>
 
 #include "common/templates/template.h"
+#include "services/retrieval/families/parameter_domain.h"
 #include "services/retrieval/fit/family_member.h"
 
 namespace mortise::retrieval {
 
-// The surfaces of all designs of the template within the ranges of its parameters. Safe to share
+// The surfaces of all designs of the template within the domain of its parameters. Safe to share
 // between threads.
-FitFamily SurfacesOf(std::shared_ptr<const templates::Template> function);
+FitFamily SurfacesOf(std::shared_ptr<const templates::Template> function,
+                     const ParameterDomain& domain);
 
 }  // namespace mortise::retrieval

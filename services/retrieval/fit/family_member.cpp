@@ -241,14 +241,8 @@ SurfaceMesh FamilyMember::At(const VectorXd& other) const {
 }
 
 LinearConstraints ConstraintsOf(const FitFamily& family) {
-  LinearConstraints all = BoxConstraints(family.surfaces.lower, family.surfaces.upper);
-  const Index box = all.bounds.size(), cuts = family.cuts.bounds.size();
-  if (cuts == 0) return all;
-  all.normals.conservativeResize(box + cuts, Eigen::NoChange);
-  all.bounds.conservativeResize(box + cuts);
-  all.normals.bottomRows(cuts) = family.cuts.normals;
-  all.bounds.tail(cuts) = family.cuts.bounds;
-  return all;
+  const LinearConstraints box = BoxConstraints(family.surfaces.lower, family.surfaces.upper);
+  return family.cuts.bounds.size() == 0 ? box : BothConstraints(box, family.cuts);
 }
 
 absl::StatusOr<VectorXd> NearestFeasible(const FitFamily& family, const VectorXd& q) {

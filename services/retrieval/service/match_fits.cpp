@@ -42,7 +42,8 @@ absl::StatusOr<std::vector<FitStart>> StartsOf(const FitTask& task, const IndexM
 absl::StatusOr<FittedDesign> Fit(const FitTask& task, const FitQuery& query,
                                  const IndexMatch& match, const rpc::Call& call, MatchFit* fit) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<FitStart> starts, StartsOf(task, match));
-  const FitFamily family = SurfacesOf(fit->compiled->function);
+  MORTISE_ASSIGN_OR_RETURN(const ParameterDomain domain, fit->compiled->domain->Get());
+  const FitFamily family = SurfacesOf(fit->compiled->function, domain);
   FitOptions options;
   options.scale_is_free = !task.query.unit_is_known;
   options.descriptor = task.index.descriptor.get();

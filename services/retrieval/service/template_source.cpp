@@ -55,8 +55,10 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
                               .revision = bundle.template_().revision(),
                               .digest = bundles::ContentDigest(bundle),
                               .title = bundle.template_().title(),
-                              .function = nullptr};
+                              .function = nullptr,
+                              .domain = nullptr};
     MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
+    compiled.domain = std::make_shared<const KeptDomain>(compiled.function);
     const std::size_t bytes = compiled.function->MemoryUse();
     return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
   });

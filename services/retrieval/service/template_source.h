@@ -12,6 +12,7 @@
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
 #include "mortise/v1/catalog.pb.h"
+#include "services/retrieval/families/parameter_domain.h"
 
 namespace mortise::retrieval {
 
@@ -22,6 +23,7 @@ struct CompiledTemplate {
   std::string digest;  // bundles::ContentDigest
   std::string title;
   std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const KeptDomain> domain;  // of its parameters
 };
 
 // Thread safe.

@@ -43,7 +43,8 @@ FitFamily FamilyOf(const std::string& name) {
   v1::TemplateBundle bundle = name.starts_with("assemblies/") ? templates::ShippedAssembly(name)
                                                               : templates::ShippedTemplate(name);
   if (!templates::Complete(bundle, templates::Trial::kDefaults).ok()) std::abort();
-  return SurfacesOf(templates::Compile(bundle).value());
+  const std::shared_ptr<const templates::Template> function = templates::Compile(bundle).value();
+  return SurfacesOf(function, DomainOf(*function).value());
 }
 
 // A design within the family's box that can be made.

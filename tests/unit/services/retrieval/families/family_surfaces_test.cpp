@@ -23,7 +23,7 @@ std::shared_ptr<const templates::Template> Shipped(const std::string& name) {
 
 TEST(FamilySurfacesTest, AreThoseOfTheTemplate) {
   const auto table = Shipped("templates/table");
-  const FitFamily family = SurfacesOf(table);
+  const FitFamily family = SurfacesOf(table, DomainOf(*table).value());
   ASSERT_EQ(family.surfaces.lower.size(), 6);
   EXPECT_TRUE((family.surfaces.lower.array() < family.surfaces.upper.array()).all());
   const Eigen::VectorXd q = parametric::Defaults(table->parameters());
@@ -37,7 +37,8 @@ TEST(FamilySurfacesTest, AreThoseOfTheTemplate) {
 // back.
 TEST(FamilySurfacesTest, AreFittedToScans) {
   for (const std::string name : {"templates/table", "templates/boat"}) {
-    const FitFamily family = SurfacesOf(Shipped(name));
+    const auto function = Shipped(name);
+    const FitFamily family = SurfacesOf(function, DomainOf(*function).value());
     const Eigen::VectorXd ranges = family.surfaces.upper - family.surfaces.lower;
     for (const std::uint64_t seed : {1, 2, 3}) {
       Random random(seed);
