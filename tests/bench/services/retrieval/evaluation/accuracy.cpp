@@ -37,10 +37,14 @@ std::string Titled(const Kind& kind) {
   return absl::StrCat(kind.category, ", ", kind.parameters, " parameters");
 }
 
+// Of a mesh, as in the thesis; without meshes of an assembly that ships.
 absl::StatusOr<std::unique_ptr<Manifold>> ManifoldOf(
-    const Kind& kind, const std::shared_ptr<const Descriptor>& descriptor) {
+    const Study& study, const Kind& kind, const std::shared_ptr<const Descriptor>& descriptor) {
+  const std::filesystem::path& shapes = study.settings().shapes;
   MORTISE_ASSIGN_OR_RETURN(const EvaluationFamily family,
-                           ShippedAssemblyOf(kind.assembly, kind.parameters));
+                           shapes.empty() ? ShippedAssemblyOf(kind.assembly, kind.parameters)
+                                          : MeshFamilyOf(shapes, kind.category, kind.parameters));
+  study.Say(absl::StrCat(Titled(kind), ": ", family.name));
   MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Manifold> manifold,
                            MakeFamilyManifold(family.function, descriptor));
   return std::make_unique<RememberingManifold>(std::move(manifold));
@@ -114,7 +118,8 @@ absl::Status WriteAccuracy(Study& study, ResultFolder& results) {
   for (const std::shared_ptr<const Descriptor>& by : study.descriptors()) {
     for (const Kind& kind : kKinds) {
       const bool first = &kind == &kKinds.front();
-      MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold, ManifoldOf(kind, by));
+      MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold,
+                               ManifoldOf(study, kind, by));
       std::vector<Accuracy> measured;
       for (const double scales :
            first ? study.effort().accuracy_deltas : study.effort().other_accuracy_deltas) {
@@ -210,7 +215,7 @@ absl::Status WriteCosts(Study& study, ResultFolder& results) {
   std::vector<render::ChartPanel> above, below;
   for (const Kind& kind : kKinds) {
     if (kind.parameters == 2) continue;
-    MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold, ManifoldOf(kind, by));
+    MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold, ManifoldOf(study, kind, by));
     std::vector<double> deltas;
     std::vector<std::vector<double>> costs;
     for (auto scales = study.effort().cost_deltas.rbegin();

@@ -10,6 +10,8 @@
 #include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "services/retrieval/families/design_surface.h"
+#include "tests/bench/services/retrieval/evaluation/labelled_shapes.h"
+#include "tests/bench/services/retrieval/families/mesh_family.h"
 #include "tests/unit/common/templates/shipped_collection.h"
 
 namespace mortise::retrieval {
@@ -139,6 +141,56 @@ absl::StatusOr<EvaluationFamily> ShippedAssemblyOf(const std::string& name, int 
   MORTISE_ASSIGN_OR_RETURN(EvaluationFamily family, MakeFamily(std::move(bundle)));
   family.name = absl::StrCat(name, " with ", parameters, " parameters");
   return family;
+}
+
+namespace {
+
+absl::StatusOr<EvaluationFamily> FamilyOf(const bench::LabelledMesh& mesh,
+                                          const std::filesystem::path& shapes,
+                                          const bench::MeshFamilyOptions& options) {
+  MORTISE_ASSIGN_OR_RETURN(bench::MeshFamily made, bench::FamilyOfMesh(mesh, options));
+  const std::string file = mesh.path.lexically_relative(shapes).generic_string();
+  return EvaluationFamily{.name = mesh.path.stem().string(),
+                          .category = made.category,
+                          .kin = file,
+                          .author = AuthorOf(mesh.source),
+                          .mesh = file,
+                          .function = std::move(made.function)};
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<EvaluationFamily>> MeshFamilies(
+    const std::filesystem::path& shapes, int most,
+    const std::function<void(std::string_view)>& say) {
+  MORTISE_ASSIGN_OR_RETURN(const auto meshes, bench::ReadLabels(shapes));
+  std::vector<EvaluationFamily> families;
+  std::map<std::string, int> counts;
+  for (const bench::LabelledMesh& mesh : bench::ChooseFamilies(meshes)) {
+    if (counts[mesh.category] >= most) continue;
+    absl::StatusOr<EvaluationFamily> family = FamilyOf(mesh, shapes, {});
+    if (!family.ok()) {
+      say(absl::StrCat(mesh.path.string(), ": ", family.status().message()));
+      continue;
+    }
+    ++counts[mesh.category];
+    families.push_back(*std::move(family));
+  }
+  return families;
+}
+
+absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shapes,
+                                              const std::string& category, int parameters) {
+  MORTISE_ASSIGN_OR_RETURN(const auto meshes, bench::ReadLabels(shapes));
+  bench::MeshFamilyOptions options;
+  options.most_parameters = static_cast<std::size_t>(parameters);
+  for (const bench::LabelledMesh& mesh : meshes) {
+    if (mesh.category != category) continue;
+    absl::StatusOr<EvaluationFamily> family = FamilyOf(mesh, shapes, options);
+    if (family.ok() && family->function->parameters().size() == options.most_parameters)
+      return family;
+  }
+  return absl::NotFoundError(absl::StrCat("no ", category, " has ", parameters, " sizes"));
 }
 
 std::vector<RandomDesign> RandomDesigns(const EvaluationFamily& family, int count,

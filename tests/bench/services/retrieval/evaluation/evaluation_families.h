@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -35,6 +38,17 @@ absl::StatusOr<std::vector<EvaluationFamily>> ShippedFamilies(
 // The shipped assembly of this name as a template of its `parameters` largest independent sizes.
 // NOT_FOUND; FAILED_PRECONDITION where it has fewer.
 absl::StatusOr<EvaluationFamily> ShippedAssemblyOf(const std::string& name, int parameters);
+
+// The families made of the labelled meshes of a folder (tests/bench/services/retrieval/families),
+// at most `most` of each category. Those that cannot be made are told to `say`, and left out.
+absl::StatusOr<std::vector<EvaluationFamily>> MeshFamilies(
+    const std::filesystem::path& shapes, int most,
+    const std::function<void(std::string_view)>& say);
+
+// The first of them in a category that has `parameters` independent sizes, of those alone.
+// NOT_FOUND.
+absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shapes,
+                                              const std::string& category, int parameters);
 
 // A design of a family at parameters drawn evenly from their ranges.
 struct RandomDesign {

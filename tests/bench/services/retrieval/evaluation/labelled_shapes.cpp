@@ -1,23 +1,15 @@
 #include "tests/bench/services/retrieval/evaluation/labelled_shapes.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
-#include "common/files/csv_table.h"
 #include "common/mesh/scenes/scene_import.h"
+#include "tests/bench/services/retrieval/families/mesh_family.h"
 
 namespace mortise::retrieval {
 namespace {
-
-absl::StatusOr<std::size_t> ColumnOf(const parametric::CsvRow& header, const std::string& title) {
-  for (std::size_t i = 0; i < header.size(); ++i)
-    if (header[i].text == title) return i;
-  return InvalidField("labels.csv", absl::StrCat("has no column '", title, "'"));
-}
 
 absl::StatusOr<mesh::SurfaceMesh> ReadSurface(const std::filesystem::path& path) {
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
@@ -29,21 +21,20 @@ absl::StatusOr<mesh::SurfaceMesh> ReadSurface(const std::filesystem::path& path)
 
 }  // namespace
 
+std::string AuthorOf(const std::string& source) {
+  return absl::StartsWith(source, "quat") ? "quat" : source;
+}
+
 absl::StatusOr<std::vector<LabelledShape>> ReadLabelledShapes(const std::filesystem::path& folder) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(folder / "labels.csv"));
-  const parametric::CsvTable table = parametric::ParseCsv(text);
-  if (table.rows.empty()) return InvalidField("labels.csv", "is empty");
-  MORTISE_ASSIGN_OR_RETURN(const std::size_t file, ColumnOf(table.rows[0], "file"));
-  MORTISE_ASSIGN_OR_RETURN(const std::size_t category, ColumnOf(table.rows[0], "category"));
-  MORTISE_ASSIGN_OR_RETURN(const std::size_t source, ColumnOf(table.rows[0], "source"));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<bench::LabelledMesh> meshes,
+                           bench::ReadLabels(folder));
   std::vector<LabelledShape> shapes;
-  for (auto row = table.rows.begin() + 1; row != table.rows.end(); ++row) {
-    LabelledShape shape{.name = (*row)[file].text,
-                        .category = (*row)[category].text,
-                        .author = (*row)[source].text,
+  for (const bench::LabelledMesh& mesh : meshes) {
+    LabelledShape shape{.name = mesh.path.lexically_relative(folder).generic_string(),
+                        .category = mesh.category,
+                        .author = AuthorOf(mesh.source),
                         .surface = {}};
-    if (absl::StartsWith(shape.author, "quat")) shape.author = "quat";
-    MORTISE_ASSIGN_OR_RETURN(shape.surface, ReadSurface(folder / shape.name));
+    MORTISE_ASSIGN_OR_RETURN(shape.surface, ReadSurface(mesh.path));
     shapes.push_back(std::move(shape));
   }
   return shapes;

@@ -17,9 +17,12 @@ struct LabelledShape {
   mesh::SurfaceMesh surface;  // z upwards
 };
 
+// Whose a source of labels.csv is: the packs of one author (quat, quat17, quat19) are one author's.
+std::string AuthorOf(const std::string& source);
+
 // The shapes of a folder with a table labels.csv: columns file, category and source, among others.
-// The packs of one author (quat, quat17, quat19) are one author's. Reads in this process: the
-// folder must be trusted. NOT_FOUND; INVALID_ARGUMENT naming the file at fault.
+// Reads in this process: the folder must be trusted. NOT_FOUND; INVALID_ARGUMENT naming the file at
+// fault.
 absl::StatusOr<std::vector<LabelledShape>> ReadLabelledShapes(const std::filesystem::path& folder);
 
 }  // namespace mortise::retrieval

@@ -73,6 +73,11 @@ absl::Status Study::LoadFamilies() {
     std::erase_if(families_, [](const EvaluationFamily& family) { return family.uses_kernel; });
   const int most = settings_.families > 0 ? settings_.families : 1000;
   if (static_cast<int>(families_.size()) > most) families_.resize(static_cast<std::size_t>(most));
+  if (settings_.shapes.empty() || settings_.quick) return absl::OkStatus();
+  say_("making families of meshes");
+  MORTISE_ASSIGN_OR_RETURN(std::vector<EvaluationFamily> made,
+                           MeshFamilies(settings_.shapes, most, say_));
+  for (EvaluationFamily& family : made) families_.push_back(std::move(family));
   return absl::OkStatus();
 }
 
