@@ -155,9 +155,10 @@ absl::Status Search(const SearchOptions& options, Session& session, Output& outp
   }
   std::vector<std::vector<std::string>> rows;
   for (const v1::ShapeMatch& match : found.matches()) {
-    rows.push_back({match.template_(), absl::StrFormat("%.4g", match.distance()),
-                    match.turn() == 0 ? "" : absl::StrCat(match.turn(), "°"),
-                    TextOf(match.parameters())});
+    const std::string part = match.group().empty() ? "" : absl::StrCat(", ", match.group());
+    rows.push_back(
+        {absl::StrCat(match.template_(), part), absl::StrFormat("%.4g", match.distance()),
+         match.turn() == 0 ? "" : absl::StrCat(match.turn(), "°"), TextOf(match.parameters())});
     if (!options.fit) continue;
     const v1::ShapeFit& fit = match.fit();
     rows.push_back({"  fitted", RemainderOf(fit),

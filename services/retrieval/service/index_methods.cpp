@@ -1,11 +1,43 @@
 #include "services/retrieval/service/index_methods.h"
 
+#include <compare>
+#include <string>
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/operation_kinds.h"
 #include "services/retrieval/service/index_operation.h"
 #include "services/retrieval/service/index_records.h"
 
 namespace mortise::retrieval::methods {
+namespace {
+
+// Where a family stands in its index: by name of its template, the whole before its groups. A group
+// may have any characters, which a page token may not.
+struct FamilyPosition {
+  std::string template_name;  // templates/{id}
+  std::string group;          // in hexadecimal digits, which keep its order
+
+  auto operator<=>(const FamilyPosition&) const = default;
+};
+
+FamilyPosition PositionOf(const v1::ShapeIndex::Family& family) {
+  return {family.template_(), absl::BytesToHexString(family.group())};
+}
+
+std::string TokenOf(const FamilyPosition& position) {
+  return absl::StrCat(position.template_name, position.group.empty() ? "" : "/", position.group);
+}
+
+FamilyPosition PositionOfToken(const std::string& token) {
+  const std::size_t end = token.find('/', token.find('/') + 1);
+  if (end == std::string::npos) return {token, ""};
+  return {token.substr(0, end), token.substr(end + 1)};
+}
+
+}  // namespace
 
 absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::Call& call,
                                          const v1::BuildIndexRequest& request,
@@ -36,15 +68,16 @@ absl::StatusOr<v1::ListIndexFamiliesResponse> ListIndexFamilies(
                            kIndexes.Get(*retrieval.environment.store, request.name()));
   resources::PageRoom room(query.size);
   resources::Page<v1::ShapeIndex::Family> page;
-  std::string last;
+  const FamilyPosition after = PositionOfToken(query.after);
+  FamilyPosition last;
   for (v1::ShapeIndex::Family& family : *index.mutable_families()) {
-    if (family.template_() <= query.after) continue;
+    if (PositionOf(family) <= after) continue;
     if (request.only_faults() && family.fault().empty()) continue;
     if (!room.Take(family.ByteSizeLong())) {
-      page.next_page_token = last;
+      page.next_page_token = TokenOf(last);
       break;
     }
-    last = family.template_();
+    last = PositionOf(family);
     page.entries.push_back(std::move(family));
   }
   return resources::ToResponse(std::move(page), &v1::ListIndexFamiliesResponse::mutable_families);

@@ -98,7 +98,7 @@ class IndexBuild {
               cover.format_version() != kIndexFormat && cover.delta() == delta_;
           if (wanted_ && is_outdated) wanted_->insert(name);
         } else {
-          MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name));
+          MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name, cover.families(0).group()));
         }
       }
       return absl::OkStatus();
@@ -128,13 +128,44 @@ class IndexBuild {
   // Fails only where the whole build must: what is wrong with the template is in its cover.
   absl::Status CoverOne(const v1::Template& head) {
     if (wanted_ && !wanted_->contains(head.name())) return absl::OkStatus();
+    MORTISE_RETURN_IF_ERROR(CoverGroup(head, ""));
+    const auto whole = building_.templates.Get(head.name(), head.revision(), Origin());
+    if (!whole.ok()) return absl::OkStatus();  // which its cover tells
+    const std::vector<std::string> groups = GroupsOf(**whole);
+    for (const std::string& group : groups) {
+      if (context_.Cancelled()) return absl::OkStatus();
+      MORTISE_RETURN_IF_ERROR(CoverGroup(head, group));
+    }
+    return ForgetOtherGroups(head.name(), {groups.begin(), groups.end()});
+  }
+
+  // Covers of groups that the template has no more.
+  absl::Status ForgetOtherGroups(const std::string& name, const std::set<std::string>& groups) {
+    return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers,
+                               ListCovers(transaction, id_));
+      for (const v1::ShapeIndex& cover : covers) {
+        const v1::ShapeIndex::Family& family = cover.families(0);
+        if (family.template_() != name || family.group().empty()) continue;
+        if (groups.contains(family.group())) continue;
+        MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name, family.group()));
+      }
+      return absl::OkStatus();
+    });
+  }
+
+  // The whole, or the sub-tree below a group of it.
+  absl::Status CoverGroup(const v1::Template& head, const std::string& group) {
     const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
-        building_.templates.Get(head.name(), head.revision(), Origin());
+        building_.templates.Get(head.name(), head.revision(), Origin(), group);
     if (absl::IsNotFound(compiled.status())) return absl::OkStatus();  // removed meanwhile
     if (absl::IsUnavailable(compiled.status())) return compiled.status();
+    // Not every sub-tree holds together by itself.
+    if (!compiled.ok() && !group.empty()) return absl::OkStatus();
     v1::ShapeIndex cover;
     v1::ShapeIndex::Family& family = *cover.add_families();
     family.set_template_(head.name());
+    family.set_group(group);
     family.set_digest(DigestOf(compiled.ok() ? (*compiled)->digest : head.digest()));
     MORTISE_ASSIGN_OR_RETURN(std::optional<v1::ShapeIndex> known, FindKnown(family));
     const CompiledTemplate* const made_of = compiled.ok() ? compiled->get() : nullptr;
@@ -170,7 +201,7 @@ class IndexBuild {
         std::optional<v1::ShapeIndex> known,
         resources::ReadFrom<std::optional<v1::ShapeIndex>>(
             *building_.environment.store, [&](store::ReadTransaction& transaction) {
-              return FindCover(transaction, id_, family.template_());
+              return FindCover(transaction, id_, family.template_(), family.group());
             }));
     const bool is_usable = known && known->families(0).digest() == family.digest() &&
                            known->families(0).fault().empty() && ReadCover(*known).ok();

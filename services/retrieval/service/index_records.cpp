@@ -1,6 +1,8 @@
 #include "services/retrieval/service/index_records.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -12,9 +14,12 @@ namespace {
 constexpr char kCovers[] = "covers";
 constexpr int kAtOnce = 200;
 
-// A template's name has been checked: "templates/table" in the index "d2" is "d2/table".
-std::string KeyOf(const std::string& index, const std::string& template_name) {
-  return absl::StrCat(index, "/", template_name.substr(template_name.find('/') + 1));
+// A template's name has been checked: "templates/table" in the index "d2" is "d2/table", and the
+// group "top" of its assembly "d2/table/top".
+std::string KeyOf(const std::string& index, const std::string& template_name,
+                  const std::string& group) {
+  return absl::StrCat(index, "/", template_name.substr(template_name.find('/') + 1),
+                      group.empty() ? "" : "/", group);
 }
 
 }  // namespace
@@ -36,9 +41,10 @@ std::vector<v1::ShapeDescriptor> AllShapeDescriptors() {
 
 absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
                                                         const std::string& index,
-                                                        const std::string& template_name) {
+                                                        const std::string& template_name,
+                                                        const std::string& group) {
   const absl::StatusOr<store::Record> record =
-      transaction.Get(kCovers, KeyOf(index, template_name));
+      transaction.Get(kCovers, KeyOf(index, template_name, group));
   if (absl::IsNotFound(record.status())) return std::nullopt;
   MORTISE_RETURN_IF_ERROR(record.status());
   MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex cover,
@@ -58,21 +64,27 @@ absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& t
                                resources::ParseRecord<v1::ShapeIndex>(kCovers, record));
       covers.push_back(std::move(cover));
     }
-    if (static_cast<int>(records.size()) < kAtOnce) return covers;
+    if (static_cast<int>(records.size()) < kAtOnce) break;
     options.after_key = records.back().key;
   }
+  // Keys have "table-large" before the groups of "table".
+  std::ranges::stable_sort(covers, {}, [](const v1::ShapeIndex& cover) {
+    return std::pair(cover.families(0).template_(), cover.families(0).group());
+  });
+  return covers;
 }
 
 absl::Status PutCover(store::Transaction& transaction, const std::string& index,
                       const v1::ShapeIndex& cover) {
   return transaction
-      .Put(kCovers, KeyOf(index, cover.families(0).template_()), cover.SerializeAsString())
+      .Put(kCovers, KeyOf(index, cover.families(0).template_(), cover.families(0).group()),
+           cover.SerializeAsString())
       .status();
 }
 
 absl::Status DeleteCover(store::Transaction& transaction, const std::string& index,
-                         const std::string& template_name) {
-  return transaction.Delete(kCovers, KeyOf(index, template_name));
+                         const std::string& template_name, const std::string& group) {
+  return transaction.Delete(kCovers, KeyOf(index, template_name, group));
 }
 
 absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,

@@ -28,21 +28,23 @@ std::string IndexIdOf(v1::ShapeDescriptor descriptor);
 // Every descriptor there is, in a fixed order.
 std::vector<v1::ShapeDescriptor> AllShapeDescriptors();
 
-// The cover of a template by an index's id, if there is one. STORAGE_FAILED for a damaged record.
+// The cover of a template, or of a group of its assembly, by an index's id, if there is one.
+// STORAGE_FAILED for a damaged record.
 absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
                                                         const std::string& index,
-                                                        const std::string& template_name);
+                                                        const std::string& template_name,
+                                                        const std::string& group);
 
-// The covers of an index, by name of their templates.
+// The covers of an index, by name of their templates, the whole before its groups.
 absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
                                                        const std::string& index);
 
-// Writes a cover, in place of that which the template had.
+// Writes a cover, in place of that which the template or group had.
 absl::Status PutCover(store::Transaction& transaction, const std::string& index,
                       const v1::ShapeIndex& cover);
 
 absl::Status DeleteCover(store::Transaction& transaction, const std::string& index,
-                         const std::string& template_name);
+                         const std::string& template_name, const std::string& group);
 
 // Writes an index and tells of it ("index.updated").
 absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,

@@ -31,8 +31,9 @@ absl::StatusOr<MatchDesign> DesignOf(const IndexMatch& match, const LoadedIndex&
                                      TemplateSource& templates, const rpc::Origin& origin) {
   const v1::ShapeIndex::Family& family = index.record.families(match.family);
   MatchDesign made;
-  MORTISE_ASSIGN_OR_RETURN(made.compiled,
-                           templates.Get(family.template_(), family.template_revision(), origin));
+  MORTISE_ASSIGN_OR_RETURN(
+      made.compiled,
+      templates.Get(family.template_(), family.template_revision(), origin, family.group()));
   MORTISE_ASSIGN_OR_RETURN(made.design, made.compiled->function->Evaluate(
                                             index.primitives.PrimitiveOf(match).parameters));
   return made;

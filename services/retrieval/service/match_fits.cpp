@@ -13,6 +13,7 @@
 #include "services/retrieval/families/family_surfaces.h"
 #include "services/retrieval/fit/fit.h"
 #include "services/retrieval/index/family_primitives.h"
+#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval {
 namespace {
@@ -77,8 +78,8 @@ void Tell(const FittedDesign& fitted, const templates::Template& function, bool 
 }
 
 std::string CaptionOf(const v1::ShapeMatch& match) {
-  return absl::StrFormat("%s: %.3g, %.3g mm off", match.template_().substr(10), match.distance(),
-                         kMillimetres * match.fit().remaining());
+  return absl::StrFormat("%s: %.3g, %.3g mm off", ShownName(match.template_(), match.group()),
+                         match.distance(), kMillimetres * match.fit().remaining());
 }
 
 }  // namespace
@@ -92,8 +93,9 @@ absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
   std::vector<MatchFit> fits(task.matches.size());
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const v1::ShapeMatch& match = response->matches(static_cast<int>(i));
-    MORTISE_ASSIGN_OR_RETURN(fits[i].compiled,
-                             templates.Get(match.template_(), match.template_revision(), origin));
+    MORTISE_ASSIGN_OR_RETURN(
+        fits[i].compiled,
+        templates.Get(match.template_(), match.template_revision(), origin, match.group()));
   }
   const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ParallelFor(static_cast<int>(fits.size()), threads, [&](int i) {

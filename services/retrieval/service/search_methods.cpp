@@ -13,6 +13,7 @@
 #include "services/retrieval/service/match_fits.h"
 #include "services/retrieval/service/query_shape.h"
 #include "services/retrieval/service/search_filter.h"
+#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval::methods {
 namespace {
@@ -38,6 +39,7 @@ absl::StatusOr<v1::ShapeMatch> MatchOf(const IndexMatch& found, const LoadedInde
   v1::ShapeMatch match;
   match.set_template_(family.template_());
   match.set_template_revision(family.template_revision());
+  match.set_group(family.group());
   match.set_title(family.title());
   match.set_distance(found.distance);
   match.set_turn(kDegreesOfTurn * found.turn);
@@ -66,9 +68,10 @@ absl::StatusOr<std::string> DrawSheet(const QueryShape& query, const std::vector
     if (entries.size() > kMaxDrawn) break;
     MORTISE_ASSIGN_OR_RETURN(const MatchDesign made,
                              DesignOf(match, index, retrieval.templates, origin));
-    const std::string& name = index.record.families(match.family).template_();
-    entries.push_back(
-        {DesignSurface(made.design), absl::StrFormat("%s: %.3g", name.substr(10), match.distance)});
+    const v1::ShapeIndex::Family& family = index.record.families(match.family);
+    entries.push_back({DesignSurface(made.design),
+                       absl::StrFormat("%s: %.3g", ShownName(family.template_(), family.group()),
+                                       match.distance)});
   }
   return DrawMatchSheet(entries);
 }

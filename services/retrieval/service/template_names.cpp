@@ -21,4 +21,9 @@ absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::st
   return status;
 }
 
+std::string ShownName(const std::string& template_name, const std::string& group) {
+  const std::string id = template_name.substr(template_name.find('/') + 1);
+  return absl::StrCat(id, group.empty() ? "" : ", ", group);
+}
+
 }  // namespace mortise::retrieval

@@ -13,4 +13,7 @@ namespace mortise::retrieval {
 // name of a template. Whether there is such a template is not asked.
 absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::string>& templates);
 
+// A template, or a group of its assembly, as captions have it: "table"; "cabinet, drawer".
+std::string ShownName(const std::string& template_name, const std::string& group);
+
 }  // namespace mortise::retrieval

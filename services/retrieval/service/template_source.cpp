@@ -5,9 +5,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/assembly/sub_tree.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/bundles/bundle_source.h"
+#include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 
@@ -17,7 +20,26 @@ namespace {
 constexpr int kPageSize = 1000;
 constexpr std::size_t kSurfaceBytes = std::size_t{16} << 20;
 
+// Of a template of an assembly that of a sub-tree.
+absl::Status ReduceTo(const std::string& group, v1::TemplateBundle& bundle) {
+  v1::Template& message = *bundle.mutable_template_();
+  if (!message.has_assembly()) return InvalidField("group", "is of assemblies alone");
+  message.mutable_assembly()->set_group(group);
+  message.mutable_assembly()->clear_handles();
+  message.clear_boundary_conditions();
+  message.clear_reference_temperature();
+  return templates::Complete(bundle, templates::Trial::kDefaults);
+}
+
 }  // namespace
+
+std::vector<std::string> GroupsOf(const CompiledTemplate& whole) {
+  if (!whole.group.empty()) return {};
+  const templates::Template& function = *whole.function;
+  const auto design = function.AssemblyAt(parametric::Defaults(function.parameters()));
+  if (!design.ok() || !*design) return {};
+  return parametric::DistinctSubTrees((*design)->assembly->assembly());
+}
 
 TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
     : catalog_(catalog), shapes_(std::move(catalog), kSurfaceBytes), kept_(capacity) {}
@@ -41,22 +63,25 @@ absl::StatusOr<std::vector<v1::Template>> TemplateSource::List(
 }
 
 absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
-    const std::string& name, std::int64_t revision, const rpc::Origin& origin) {
+    const std::string& name, std::int64_t revision, const rpc::Origin& origin,
+    const std::string& group) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "template").status());
   if (revision < 0) return InvalidField("template_revision", "must not be negative");
   // A revision never changes.
-  if (const auto kept = kept_.Find(absl::StrCat(name, "/", revision))) return *kept;
+  if (const auto kept = kept_.Find(absl::StrCat(name, "/", revision, "/", group))) return *kept;
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
                            bundles::FetchBundle(catalog_, name, revision, origin));
-  const std::string key = absl::StrCat(name, "/", bundle.template_().revision());
+  const std::string key = absl::StrCat(name, "/", bundle.template_().revision(), "/", group);
   return kept_.Get(key, [&]() -> absl::StatusOr<Kept::Made> {
     MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, {}, origin));
     CompiledTemplate compiled{.name = name,
                               .revision = bundle.template_().revision(),
-                              .digest = bundles::ContentDigest(bundle),
+                              .digest = absl::StrCat(bundles::ContentDigest(bundle), group),
                               .title = bundle.template_().title(),
+                              .group = group,
                               .function = nullptr,
                               .domain = nullptr};
+    if (!group.empty()) MORTISE_RETURN_IF_ERROR(ReduceTo(group, bundle));
     MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
     compiled.domain = std::make_shared<const KeptDomain>(compiled.function);
     const std::size_t bytes = compiled.function->MemoryUse();

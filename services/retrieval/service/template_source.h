@@ -22,9 +22,15 @@ struct CompiledTemplate {
   std::int64_t revision = 0;
   std::string digest;  // bundles::ContentDigest
   std::string title;
+  std::string group;  // of its assembly, whose sub-tree it is; empty for the whole
   std::shared_ptr<const templates::Template> function;
   std::shared_ptr<const KeptDomain> domain;  // of its parameters
 };
+
+// The groups of the template's assembly that are things by themselves (DistinctSubTrees): each can
+// be got as a template. None for other kinds of templates, and for a sub-tree. It takes up to
+// seconds for assemblies of hundreds of parts.
+std::vector<std::string> GroupsOf(const CompiledTemplate& whole);
 
 // Thread safe.
 class TemplateSource {
@@ -41,16 +47,21 @@ class TemplateSource {
 
   // The revision, or the latest for 0; the catalog is asked for what is not kept. NOT_FOUND;
   // INVALID_ARGUMENT naming "template" or "template_revision"; UNAVAILABLE; as templates::Compile.
+  //
+  // With a `group` of an assembly template the sub-tree below it, as a template by itself: its
+  // parameters are sizes of its own that can be chosen independently, and it has no conditions,
+  // which speak of the whole.
   absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
                                                               std::int64_t revision,
-                                                              const rpc::Origin& origin);
+                                                              const rpc::Origin& origin,
+                                                              const std::string& group = "");
 
  private:
   using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
 
   const std::shared_ptr<grpc::Channel> catalog_;
   bundles::ShapeSource shapes_;
-  Kept kept_;  // by name and revision
+  Kept kept_;  // by name, revision and group
 };
 
 }  // namespace mortise::retrieval

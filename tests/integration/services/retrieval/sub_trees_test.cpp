@@ -1,0 +1,138 @@
+// Parts of designs that are things by themselves are found as such: mortise-retrieval as a real
+// process, beside a catalog with one assembly that has sub-trees.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "mortise/v1/retrieval.grpc.pb.h"
+#include "tests/integration/services/call_service.h"
+#include "tests/integration/services/filled_catalog.h"
+#include "tests/integration/services/service_under_test.h"
+
+namespace mortise::retrieval {
+namespace {
+
+using testing::Call;
+
+constexpr char kCart[] = "templates/tool-cart";
+
+// A collection of a cart with a frame, a handle and a drawer.
+class CartCollection {
+ public:
+  CartCollection() {
+    namespace fs = std::filesystem;
+    const fs::path shipped = testing::ShippedCollection();
+    for (const char* each : {"materials.textproto", "versions.csv"}) {
+      fs::copy(shipped / each, folder_.path() / each);
+    }
+    for (const char* each : {"items", "shapes"}) {
+      fs::copy(shipped / each, folder_.path() / each, fs::copy_options::recursive);
+    }
+    fs::create_directories(folder_.path() / "assemblies");
+    fs::copy(shipped / "assemblies/tool_cart.textproto",
+             folder_.path() / "assemblies/tool_cart.textproto");
+  }
+
+  std::string path() const { return folder_.path().string(); }
+
+ private:
+  testing::TemporaryFolder folder_;
+};
+
+// The index of the cart and its sub-trees, which searches share.
+class SubTreesTest : public ::testing::Test {
+ protected:
+  struct House {
+    CartCollection collection;
+    testing::ServiceUnderTest catalog{"mortise-catalog", {"--collection=" + collection.path()}};
+    testing::ServiceUnderTest service{"mortise-retrieval", {"--peer=catalog=" + catalog.address()}};
+  };
+
+  static void SetUpTestSuite() {
+    house_ = std::make_unique<House>();
+    v1::BuildIndexRequest request;
+    request.set_request_id("sub-trees");
+    request.add_shape_descriptors(v1::D2);
+    request.set_delta(0.15);
+    const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
+    const auto started = Call(*retrieval, &v1::RetrievalService::Stub::BuildIndex, request);
+    ASSERT_TRUE(started.ok()) << started.status();
+    const auto operations = v1::OperationService::NewStub(house_->service.channel());
+    v1::WaitOperationRequest wait;
+    wait.set_name(started->name());
+    wait.set_timeout_seconds(240);
+    const auto done = Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
+    ASSERT_TRUE(done.ok()) << done.status();
+    ASSERT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
+  }
+  static void TearDownTestSuite() { house_.reset(); }
+
+  static absl::StatusOr<v1::ShapeIndex> Index() {
+    const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
+    v1::GetIndexRequest get;
+    get.set_name("indexes/d2");
+    return Call(*retrieval, &v1::RetrievalService::Stub::GetIndex, get);
+  }
+
+  // What is found for the parts of the cart whose names begin so.
+  static absl::StatusOr<v1::SearchShapesResponse> SearchForParts(const std::string& beginning) {
+    const auto catalog = v1::CatalogService::NewStub(house_->catalog.channel());
+    v1::EvaluateTemplateRequest evaluate;
+    evaluate.set_name(kCart);
+    evaluate.set_without_triangles(true);
+    const auto design = Call(*catalog, &v1::CatalogService::Stub::EvaluateTemplate, evaluate);
+    if (!design.ok()) return design.status();
+    v1::SearchShapesRequest request;
+    request.mutable_design()->set_template_(kCart);
+    for (const auto& part : design->parts())
+      if (part.name().starts_with(beginning)) request.mutable_design()->add_parts(part.name());
+    const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
+    return Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request);
+  }
+
+  static std::unique_ptr<House> house_;
+};
+
+std::unique_ptr<SubTreesTest::House> SubTreesTest::house_;
+
+TEST_F(SubTreesTest, AreFamiliesBesideTheWhole) {
+  const auto index = Index();
+  ASSERT_TRUE(index.ok()) << index.status();
+  std::set<std::string> groups;
+  for (const v1::ShapeIndex::Family& family : index->families()) {
+    EXPECT_EQ(family.template_(), kCart);
+    EXPECT_EQ(family.fault(), "") << family.group();
+    EXPECT_EQ(family.failed_evaluations(), 0) << family.group();
+    EXPECT_TRUE(groups.insert(family.group()).second);
+  }
+  EXPECT_TRUE(groups.contains(""));
+  EXPECT_TRUE(groups.contains("drawer"));
+  EXPECT_EQ(index->family_count(), index->families_size());
+}
+
+TEST_F(SubTreesTest, AreFoundByWhatTheyLookLike) {
+  const auto found = SearchForParts("drawer");
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_GT(found->matches_size(), 1);
+  const v1::ShapeMatch& nearest = found->matches(0);
+  EXPECT_EQ(nearest.template_(), kCart);
+  EXPECT_EQ(nearest.group(), "drawer");
+  EXPECT_LT(nearest.distance(), found->matches(1).distance());
+  EXPECT_GT(nearest.parameters_size(), 0);
+}
+
+TEST_F(SubTreesTest, DoNotStandForTheWhole) {
+  const auto found = SearchForParts("");
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->matches(0).group(), "");
+  EXPECT_LE(found->matches(0).distance(), 0.15);
+}
+
+}  // namespace
+}  // namespace mortise::retrieval
