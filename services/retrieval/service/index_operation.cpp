@@ -160,8 +160,12 @@ class IndexBuild {
         building_.templates.Get(head.name(), head.revision(), Origin(), group);
     if (absl::IsNotFound(compiled.status())) return absl::OkStatus();  // removed meanwhile
     if (absl::IsUnavailable(compiled.status())) return compiled.status();
-    // Not every sub-tree holds together by itself.
-    if (!compiled.ok() && !group.empty()) return absl::OkStatus();
+    if (!compiled.ok() && !group.empty()) {
+      // Not every sub-tree holds together by itself.
+      Log(LogLevel::kInfo, "a sub-tree is no template by itself",
+          {{"template", head.name()}, {"group", group}, {"error", compiled.status().message()}});
+      return absl::OkStatus();
+    }
     v1::ShapeIndex cover;
     v1::ShapeIndex::Family& family = *cover.add_families();
     family.set_template_(head.name());

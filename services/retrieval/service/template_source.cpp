@@ -25,9 +25,14 @@ absl::Status ReduceTo(const std::string& group, v1::TemplateBundle& bundle) {
   v1::Template& message = *bundle.mutable_template_();
   if (!message.has_assembly()) return InvalidField("group", "is of assemblies alone");
   message.mutable_assembly()->set_group(group);
+  // What is said of the whole does not hold of a part of it.
   message.mutable_assembly()->clear_handles();
+  message.clear_title();
+  message.clear_description();
+  message.clear_parameters();
   message.clear_boundary_conditions();
   message.clear_reference_temperature();
+  message.clear_metric_definitions();
   return templates::Complete(bundle, templates::Trial::kDefaults);
 }
 
@@ -77,11 +82,12 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
     CompiledTemplate compiled{.name = name,
                               .revision = bundle.template_().revision(),
                               .digest = absl::StrCat(bundles::ContentDigest(bundle), group),
-                              .title = bundle.template_().title(),
+                              .title = "",
                               .group = group,
                               .function = nullptr,
                               .domain = nullptr};
     if (!group.empty()) MORTISE_RETURN_IF_ERROR(ReduceTo(group, bundle));
+    compiled.title = bundle.template_().title();
     MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
     compiled.domain = std::make_shared<const KeptDomain>(compiled.function);
     const std::size_t bytes = compiled.function->MemoryUse();

@@ -21,6 +21,7 @@ namespace {
 using testing::Call;
 
 constexpr char kCart[] = "templates/tool-cart";
+constexpr double kDelta = 0.3;  // of the index
 
 // A collection of a cart with a frame, a handle and a drawer.
 class CartCollection {
@@ -59,7 +60,7 @@ class SubTreesTest : public ::testing::Test {
     v1::BuildIndexRequest request;
     request.set_request_id("sub-trees");
     request.add_shape_descriptors(v1::D2);
-    request.set_delta(0.15);
+    request.set_delta(kDelta);
     const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
     const auto started = Call(*retrieval, &v1::RetrievalService::Stub::BuildIndex, request);
     ASSERT_TRUE(started.ok()) << started.status();
@@ -131,7 +132,7 @@ TEST_F(SubTreesTest, DoNotStandForTheWhole) {
   const auto found = SearchForParts("");
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->matches(0).group(), "");
-  EXPECT_LE(found->matches(0).distance(), 0.15);
+  EXPECT_LE(found->matches(0).distance(), kDelta);
 }
 
 }  // namespace
