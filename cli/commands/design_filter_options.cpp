@@ -52,22 +52,26 @@ absl::StatusOr<v1::Money> PriceOf(const std::string& text) {
 void DesignFilterOptions::AddTo(CLI::App& command) {
   const std::string group = "What matches are like";
   command.add_option("--category", categories, "Only of this category; may be repeated")
+      ->allow_extra_args(false)
       ->group(group);
   command.add_option("--min-size", min_size, "At least so large: \"0.3 m\", or \"X, Y, Z\"")
       ->group(group);
   command.add_option("--max-size", max_size, "At most so large: \"1.2 m\", or \"X, Y, Z\"")
       ->group(group);
   command.add_option("--material", materials, "Made of this material; of one of those repeated")
+      ->allow_extra_args(false)
       ->group(group);
   command.add_option("--max-price", max_price, "Material costs at most: 120 (EUR), or \"120 USD\"")
       ->group(group);
   command
       .add_option("--item", items,
                   "Can be built from this item: NAME or NAME=PIECES; may be repeated")
+      ->allow_extra_args(false)
       ->group(group);
   command
       .add_option("--from-items", item_files,
                   "Can be built from these: a table (.csv) of item and quantity")
+      ->allow_extra_args(false)
       ->group(group);
 }
 

@@ -140,8 +140,7 @@ absl::Status Search(const SearchOptions& options, Session& session, Output& outp
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
   if (request.mesh().file().size() > kMostInMessage) {
-    MORTISE_RETURN_IF_ERROR(
-        SourcesOf(options).Name(Upload(*request.mutable_mesh(), *stub, *client)));
+    MORTISE_RETURN_IF_ERROR(Upload(*request.mutable_mesh(), *stub, *client));
   }
   v1::SearchShapesResponse found;
   MORTISE_RETURN_IF_ERROR(client->Call(
@@ -205,7 +204,7 @@ absl::Status Build(const IndexOptions& options, Session& session, Output& output
   if (!built) return absl::OkStatus();
   std::vector<std::vector<std::string>> rows;
   for (const v1::ShapeIndex& index : built->indexes()) rows.push_back(RowOf(index));
-  output.Table({"index", "templates", "delta", "current"}, rows);
+  output.Table({"index", "families", "delta", "current"}, rows);
   output.DocumentOf(*built);
   return absl::OkStatus();
 }
@@ -219,7 +218,7 @@ absl::Status ShowStatus(Session& session, Output& output) {
   }));
   std::vector<std::vector<std::string>> rows;
   for (const v1::ShapeIndex& index : listed.indexes()) rows.push_back(RowOf(index));
-  output.Table({"index", "templates", "delta", "current"}, rows);
+  output.Table({"index", "families", "delta", "current"}, rows);
   if (listed.indexes().empty()) output.Line("no index yet: mortise index build");
   output.DocumentOf(listed);
   return absl::OkStatus();
@@ -230,15 +229,18 @@ void AddSearch(CLI::App& app, Session& session) {
   CLI::App* search = app.add_subcommand("search", "Find the templates that can become a shape");
   search->add_option("mesh", options->mesh, "File with a mesh: OBJ, OFF, PLY, STL, GLB or glTF");
   search->add_option("--design", options->design, "A template whose design is looked for instead");
-  search->add_option("--set", options->parameters,
-                     "NAME=VALUE of that design, such as length=1500mm");
-  search->add_option("--part", options->parts, "Only this part of the design; may be repeated");
+  search
+      ->add_option("--set", options->parameters, "NAME=VALUE of that design, such as length=1500mm")
+      ->allow_extra_args(false);
+  search->add_option("--part", options->parts, "Only this part of the design; may be repeated")
+      ->allow_extra_args(false);
   search->add_option("--descriptor", options->descriptor, "d2, voxel or light-field")
       ->capture_default_str();
   search->add_option("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft");
   search->add_option("--up", options->up, "Axis of the mesh that points upwards: x, y or z");
   search->add_option("--top", options->top, "How many matches")->capture_default_str();
-  search->add_option("--template", options->templates, "Only this template; may be repeated");
+  search->add_option("--template", options->templates, "Only this template; may be repeated")
+      ->allow_extra_args(false);
   search->add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
   options->filter.AddTo(*search);
   search->add_option("--sheet", options->sheet, "PNG file for a picture of the matches");

@@ -85,26 +85,39 @@ class IndexBuild {
   absl::Status ForgetOthers(const std::vector<v1::Template>& templates) {
     std::set<std::string> names;
     for (const v1::Template& each : templates) names.insert(each.name());
-    std::set<std::string> known;
+    std::set<std::string> outdated;
     MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) -> absl::Status {
-      known.clear();
+      outdated.clear();
       MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers,
                                ListCovers(transaction, id_));
       for (const v1::ShapeIndex& cover : covers) {
         const std::string& name = cover.families(0).template_();
         if (names.contains(name)) {
-          known.insert(name);
           const bool is_outdated =
               cover.format_version() != kIndexFormat && cover.delta() == delta_;
-          if (wanted_ && is_outdated) wanted_->insert(name);
+          if (is_outdated) outdated.insert(name);
         } else {
           MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name, cover.families(0).group()));
         }
       }
       return absl::OkStatus();
     }));
-    if (request_.refresh()) wanted_ = std::move(known);
+    if (request_.refresh()) {
+      MORTISE_ASSIGN_OR_RETURN(wanted_, InIndex());
+    }
+    if (wanted_) wanted_->merge(outdated);
     return absl::OkStatus();
+  }
+
+  // The templates that the index has now.
+  absl::StatusOr<std::set<std::string>> InIndex() const {
+    std::set<std::string> names;
+    const absl::StatusOr<v1::ShapeIndex> present =
+        kIndexes.Get(*building_.environment.store, absl::StrCat(kIndexes.names, "/", id_));
+    if (absl::IsNotFound(present.status())) return names;
+    MORTISE_RETURN_IF_ERROR(present.status());
+    for (const v1::ShapeIndex::Family& each : present->families()) names.insert(each.template_());
+    return names;
   }
 
   absl::Status CoverAll(const std::vector<v1::Template>& templates) {
@@ -128,43 +141,52 @@ class IndexBuild {
   // Fails only where the whole build must: what is wrong with the template is in its cover.
   absl::Status CoverOne(const v1::Template& head) {
     if (wanted_ && !wanted_->contains(head.name())) return absl::OkStatus();
-    MORTISE_RETURN_IF_ERROR(CoverGroup(head, ""));
+    MORTISE_RETURN_IF_ERROR(CoverGroup(head, "").status());
     const auto whole = building_.templates.Get(head.name(), head.revision(), Origin());
-    if (!whole.ok()) return absl::OkStatus();  // which its cover tells
-    const std::vector<std::string> groups = GroupsOf(**whole);
-    for (const std::string& group : groups) {
+    if (absl::IsNotFound(whole.status())) return absl::OkStatus();  // removed meanwhile
+    std::set<std::string> covered;
+    for (const std::string& group : whole.ok() ? GroupsOf(**whole) : std::vector<std::string>{}) {
       if (context_.Cancelled()) return absl::OkStatus();
-      MORTISE_RETURN_IF_ERROR(CoverGroup(head, group));
+      MORTISE_ASSIGN_OR_RETURN(const bool is_covered, CoverGroup(head, group));
+      if (is_covered) covered.insert(group);
     }
-    return ForgetOtherGroups(head.name(), {groups.begin(), groups.end()});
+    return ForgetOtherGroups(head.name(), covered);
   }
 
   // Covers of groups that the template has no more.
   absl::Status ForgetOtherGroups(const std::string& name, const std::set<std::string>& groups) {
+    const auto list = [&](store::ReadTransaction& transaction) {
+      return ListGroupCovers(transaction, id_, name);
+    };
+    MORTISE_ASSIGN_OR_RETURN(
+        const std::vector<v1::ShapeIndex> covers,
+        resources::ReadFrom<std::vector<v1::ShapeIndex>>(*building_.environment.store, list));
+    std::vector<std::string> gone;
+    for (const v1::ShapeIndex& cover : covers) {
+      const std::string& group = cover.families(0).group();
+      if (!groups.contains(group)) gone.push_back(group);
+    }
+    if (gone.empty()) return absl::OkStatus();
     return context_.Transact([&](store::Transaction& transaction) -> absl::Status {
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers,
-                               ListCovers(transaction, id_));
-      for (const v1::ShapeIndex& cover : covers) {
-        const v1::ShapeIndex::Family& family = cover.families(0);
-        if (family.template_() != name || family.group().empty()) continue;
-        if (groups.contains(family.group())) continue;
-        MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name, family.group()));
+      for (const std::string& group : gone) {
+        MORTISE_RETURN_IF_ERROR(DeleteCover(transaction, id_, name, group));
       }
       return absl::OkStatus();
     });
   }
 
-  // The whole, or the sub-tree below a group of it.
-  absl::Status CoverGroup(const v1::Template& head, const std::string& group) {
+  // Covers the whole, or the sub-tree below a group of it. Returns whether there is such a thing:
+  // not every sub-tree holds together by itself.
+  absl::StatusOr<bool> CoverGroup(const v1::Template& head, const std::string& group) {
     const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
         building_.templates.Get(head.name(), head.revision(), Origin(), group);
-    if (absl::IsNotFound(compiled.status())) return absl::OkStatus();  // removed meanwhile
-    if (absl::IsUnavailable(compiled.status())) return compiled.status();
+    if (absl::IsNotFound(compiled.status())) return false;  // removed meanwhile
+    // Only what is wrong with the template itself is told in its cover.
+    if (IsPassingFailure(compiled.status())) return compiled.status();
     if (!compiled.ok() && !group.empty()) {
-      // Not every sub-tree holds together by itself.
       Log(LogLevel::kInfo, "a sub-tree is no template by itself",
           {{"template", head.name()}, {"group", group}, {"error", compiled.status().message()}});
-      return absl::OkStatus();
+      return false;
     }
     v1::ShapeIndex cover;
     v1::ShapeIndex::Family& family = *cover.add_families();
@@ -173,18 +195,22 @@ class IndexBuild {
     family.set_digest(DigestOf(compiled.ok() ? (*compiled)->digest : head.digest()));
     MORTISE_ASSIGN_OR_RETURN(std::optional<v1::ShapeIndex> known, FindKnown(family));
     const CompiledTemplate* const made_of = compiled.ok() ? compiled->get() : nullptr;
-    if (known) return BringUp(*std::move(known), head, made_of);
+    if (known) {
+      MORTISE_RETURN_IF_ERROR(BringUp(*std::move(known), head, made_of));
+      return true;
+    }
     Describe(head, made_of, &family);
     std::vector<Primitive> primitives;
     const absl::Status made =
         compiled.ok() ? MakeCover(**compiled, &family, &primitives) : compiled.status();
-    if (context_.Cancelled()) return absl::OkStatus();
+    if (context_.Cancelled()) return true;
     if (!made.ok()) {
       family.set_fault(std::string(made.message()));
       Log(LogLevel::kWarning, "a template cannot be searched",
           {{"template", head.name()}, {"index", id_}, {"error", made.message()}});
     }
-    return Store(std::move(cover), std::move(primitives));
+    MORTISE_RETURN_IF_ERROR(Store(std::move(cover), std::move(primitives)));
+    return true;
   }
 
   rpc::Origin Origin() const {

@@ -22,6 +22,29 @@ std::string KeyOf(const std::string& index, const std::string& template_name,
                       group.empty() ? "" : "/", group);
 }
 
+// The covers whose keys begin so.
+absl::StatusOr<std::vector<v1::ShapeIndex>> ListBelow(store::ReadTransaction& transaction,
+                                                      const std::string& prefix) {
+  std::vector<v1::ShapeIndex> covers;
+  store::ListOptions options{.key_prefix = prefix, .limit = kAtOnce};
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
+                             transaction.List(kCovers, options));
+    for (const store::Record& record : records) {
+      MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex cover,
+                               resources::ParseRecord<v1::ShapeIndex>(kCovers, record));
+      covers.push_back(std::move(cover));
+    }
+    if (static_cast<int>(records.size()) < kAtOnce) break;
+    options.after_key = records.back().key;
+  }
+  // Keys have "table-large" before the groups of "table".
+  std::ranges::stable_sort(covers, {}, [](const v1::ShapeIndex& cover) {
+    return std::pair(cover.families(0).template_(), cover.families(0).group());
+  });
+  return covers;
+}
+
 }  // namespace
 
 std::string IndexIdOf(v1::ShapeDescriptor descriptor) {
@@ -54,24 +77,13 @@ absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& 
 
 absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
                                                        const std::string& index) {
-  std::vector<v1::ShapeIndex> covers;
-  store::ListOptions options{.key_prefix = index + "/", .limit = kAtOnce};
-  while (true) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
-                             transaction.List(kCovers, options));
-    for (const store::Record& record : records) {
-      MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex cover,
-                               resources::ParseRecord<v1::ShapeIndex>(kCovers, record));
-      covers.push_back(std::move(cover));
-    }
-    if (static_cast<int>(records.size()) < kAtOnce) break;
-    options.after_key = records.back().key;
-  }
-  // Keys have "table-large" before the groups of "table".
-  std::ranges::stable_sort(covers, {}, [](const v1::ShapeIndex& cover) {
-    return std::pair(cover.families(0).template_(), cover.families(0).group());
-  });
-  return covers;
+  return ListBelow(transaction, index + "/");
+}
+
+absl::StatusOr<std::vector<v1::ShapeIndex>> ListGroupCovers(store::ReadTransaction& transaction,
+                                                            const std::string& index,
+                                                            const std::string& template_name) {
+  return ListBelow(transaction, KeyOf(index, template_name, "") + "/");
 }
 
 absl::Status PutCover(store::Transaction& transaction, const std::string& index,

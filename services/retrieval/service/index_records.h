@@ -39,6 +39,11 @@ absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& 
 absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
                                                        const std::string& index);
 
+// Those of the groups of one template alone.
+absl::StatusOr<std::vector<v1::ShapeIndex>> ListGroupCovers(store::ReadTransaction& transaction,
+                                                            const std::string& index,
+                                                            const std::string& template_name);
+
 // Writes a cover, in place of that which the template or group had.
 absl::Status PutCover(store::Transaction& transaction, const std::string& index,
                       const v1::ShapeIndex& cover);

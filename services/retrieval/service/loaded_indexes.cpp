@@ -73,9 +73,10 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
   MORTISE_RETURN_IF_ERROR(CheckRecord(*record));
   const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record->sha256());
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<const LoadedIndex>& loaded = loaded_[descriptor];
+  std::shared_ptr<const LoadedIndex>& loaded = loaded_[record->shape_descriptor()];
   const bool is_current = loaded != nullptr && loaded->record.sha256() == record->sha256() &&
-                          loaded->record.build_time() == record->build_time() && path.ok() &&
+                          loaded->record.build_time() == record->build_time() &&
+                          loaded->record.current() == record->current() && path.ok() &&
                           loaded->stamp == StampOf(*path);
   if (!is_current) {
     loaded = nullptr;

@@ -18,10 +18,7 @@ absl::StatusOr<bool> MeetsFilter(const DesignFilter& filter, const IndexMatch& m
                                  const rpc::Origin& origin) {
   const absl::StatusOr<MatchDesign> made = DesignOf(match, index, templates, origin);
   if (made.ok()) return Meets(filter, made->design, made->compiled->function->head().items);
-  if (absl::IsUnavailable(made.status()) || absl::IsDeadlineExceeded(made.status()) ||
-      absl::IsCancelled(made.status())) {
-    return made.status();
-  }
+  if (IsPassingFailure(made.status())) return made.status();
   return false;
 }
 

@@ -93,13 +93,19 @@ absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
   std::vector<MatchFit> fits(task.matches.size());
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const v1::ShapeMatch& match = response->matches(static_cast<int>(i));
-    MORTISE_ASSIGN_OR_RETURN(
-        fits[i].compiled,
-        templates.Get(match.template_(), match.template_revision(), origin, match.group()));
+    auto compiled =
+        templates.Get(match.template_(), match.template_revision(), origin, match.group());
+    if (compiled.ok()) {
+      fits[i].compiled = *std::move(compiled);
+      continue;
+    }
+    if (IsPassingFailure(compiled.status())) return compiled.status();
+    fits[i].fitted = compiled.status();
   }
   const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ParallelFor(static_cast<int>(fits.size()), threads, [&](int i) {
     MatchFit& fit = fits[static_cast<std::size_t>(i)];
+    if (fit.compiled == nullptr) return;
     fit.fitted = query.ok()
                      ? Fit(task, *query, task.matches[static_cast<std::size_t>(i)], call, &fit)
                      : query.status();

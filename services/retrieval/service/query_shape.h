@@ -23,9 +23,8 @@ struct QueryShape {
 };
 
 // The shape that a request describes. INVALID_ARGUMENT naming "mesh.file", "mesh.upload",
-// "mesh.length_unit",
-// "design.template", "design.parameters[0]" and so on, or "query" where there is none; NOT_FOUND;
-// as the reader of meshes and the catalog.
+// "mesh.length_unit", "design.template", "design.parameters[0]" and so on, or "query" where there
+// is none; NOT_FOUND; as the reader of meshes and the catalog.
 absl::StatusOr<QueryShape> ReadQuery(const v1::SearchShapesRequest& request,
                                      const Retrieval& retrieval, const rpc::Origin& origin);
 

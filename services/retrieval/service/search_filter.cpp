@@ -1,5 +1,6 @@
 #include "services/retrieval/service/search_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -48,6 +49,12 @@ absl::Status ReadMaterials(const v1::DesignFilter& filter, DesignFilter* design)
   return status;
 }
 
+// Whether a text may be a code of ISO 4217.
+bool IsCurrency(const std::string& text) {
+  return text.size() == 3 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
 absl::Status ReadPrice(const v1::DesignFilter& filter, DesignFilter* design) {
   if (!filter.has_max_price()) return absl::OkStatus();
   const v1::Money& price = filter.max_price();
@@ -55,8 +62,9 @@ absl::Status ReadPrice(const v1::DesignFilter& filter, DesignFilter* design) {
   if (!std::isfinite(price.amount()) || price.amount() < 0) {
     status = InvalidField("max_price.amount", "must be finite, 0 or more");
   }
-  if (price.currency().empty()) {
-    status = Together(status, InvalidField("max_price.currency", "is missing: such as \"EUR\""));
+  if (!IsCurrency(price.currency())) {
+    status = Together(status, InvalidField("max_price.currency",
+                                           "must be three capital letters, such as \"EUR\""));
   }
   design->max_price = parametric::Cost{.amount = price.amount(), .currency = price.currency()};
   return status;

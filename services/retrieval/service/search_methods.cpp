@@ -66,10 +66,11 @@ absl::StatusOr<std::string> DrawSheet(const QueryShape& query, const std::vector
   std::vector<SheetEntry> entries = {{query.surface, CaptionOf(query)}};
   for (const IndexMatch& match : found) {
     if (entries.size() > kMaxDrawn) break;
-    MORTISE_ASSIGN_OR_RETURN(const MatchDesign made,
-                             DesignOf(match, index, retrieval.templates, origin));
+    const absl::StatusOr<MatchDesign> made = DesignOf(match, index, retrieval.templates, origin);
+    if (IsPassingFailure(made.status())) return made.status();
+    if (!made.ok()) continue;  // its template has been deleted meanwhile
     const v1::ShapeIndex::Family& family = index.record.families(match.family);
-    entries.push_back({DesignSurface(made.design),
+    entries.push_back({DesignSurface(made->design),
                        absl::StrFormat("%s: %.3g", ShownName(family.template_(), family.group()),
                                        match.distance)});
   }

@@ -46,6 +46,11 @@ std::vector<std::string> GroupsOf(const CompiledTemplate& whole) {
   return parametric::DistinctSubTrees((*design)->assembly->assembly());
 }
 
+bool IsPassingFailure(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
+         absl::IsCancelled(status) || absl::IsResourceExhausted(status) || absl::IsAborted(status);
+}
+
 TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
     : catalog_(catalog), shapes_(std::move(catalog), kSurfaceBytes), kept_(capacity) {}
 

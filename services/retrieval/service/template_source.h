@@ -20,7 +20,7 @@ namespace mortise::retrieval {
 struct CompiledTemplate {
   std::string name;  // templates/{id}
   std::int64_t revision = 0;
-  std::string digest;  // bundles::ContentDigest
+  std::string digest;  // bundles::ContentDigest, with the group
   std::string title;
   std::string group;  // of its assembly, whose sub-tree it is; empty for the whole
   std::shared_ptr<const templates::Template> function;
@@ -31,6 +31,10 @@ struct CompiledTemplate {
 // be got as a template. None for other kinds of templates, and for a sub-tree. It takes up to
 // seconds for assemblies of hundreds of parts.
 std::vector<std::string> GroupsOf(const CompiledTemplate& whole);
+
+// Whether a failure to get a template says nothing about it, but that the catalog could not answer
+// now: it is gone, has too much to do or too little time.
+bool IsPassingFailure(const absl::Status& status);
 
 // Thread safe.
 class TemplateSource {
@@ -46,7 +50,8 @@ class TemplateSource {
                                                  const rpc::RetryOptions& retry = {}) const;
 
   // The revision, or the latest for 0; the catalog is asked for what is not kept. NOT_FOUND;
-  // INVALID_ARGUMENT naming "template" or "template_revision"; UNAVAILABLE; as templates::Compile.
+  // INVALID_ARGUMENT naming "template", "template_revision" or "group"; as IsPassingFailure; as
+  // templates::Compile.
   //
   // With a `group` of an assembly template the sub-tree below it, as a template by itself: its
   // parameters are sizes of its own that can be chosen independently, and it has no conditions,
