@@ -26,6 +26,7 @@ constexpr double kSame = 1e-7;         // between unit rows, and of a ray that r
 constexpr int kRaysPerForm = 8;
 constexpr int kCornersInside = 64;  // in a row: then there are enough faces
 constexpr std::size_t kMostFaces = 4000;
+constexpr int kMostShots = 20'000;  // at corners; rounding may leave one outside for ever
 
 absl::Status Unbounded() {
   return PreconditionFailed("POLYHEDRON_UNBOUNDED", "a form can be as large as one likes");
@@ -43,7 +44,9 @@ class RayShooting {
     for (Index ray = 0; ray < kRaysPerForm * along_.cols(); ++ray) {
       MORTISE_RETURN_IF_ERROR(Shoot(RandomDirection()).status());
     }
-    for (int inside = 0; inside < kCornersInside && faces_.size() < kMostFaces;) {
+    int inside = 0;
+    for (int shots = 0; inside < kCornersInside && faces_.size() < kMostFaces; ++shots) {
+      if (shots == kMostShots) break;
       MORTISE_ASSIGN_OR_RETURN(const VectorXd corner, RandomCorner());
       MORTISE_ASSIGN_OR_RETURN(const double reach, Shoot(corner - middle_));
       inside = reach >= 1 - kSame ? inside + 1 : 0;

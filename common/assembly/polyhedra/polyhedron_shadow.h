@@ -21,8 +21,9 @@ struct PolyhedronShadow {
 };
 
 // Returns the shadow that inequalities · x <= bounds cast by y = forms · x. Each of its
-// inequalities is met by every y of the shadow, and by one of them with equality, to 1e-9; no more
-// than every fiftieth corner of theirs, in random directions, lies outside of the shadow. Where
+// inequalities is met by every y of the shadow, and by one of them with equality, to 1e-7 of their
+// size; of their corners in random directions 64 in a row lie within the shadow, unless it has more
+// than some thousands of faces. Where
 // forms depend on each other, or the polyhedron is flat, there are two inequalities for an
 // equality. The same arguments give the same shadow.
 //

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/mass_properties.h"
 #include "common/mesh/point_merger.h"
 #include "common/mesh/repair/proximity.h"
 
@@ -19,7 +20,8 @@ namespace {
 constexpr std::size_t kMostCompared = 200;  // pieces whose triangles are looked at
 constexpr double kSamePlace = 1e-5;         // of the scene's diagonal
 constexpr double kFlat = 1e-4;              // of the scene's diagonal: pieces no thicker are flat
-constexpr double kReachGrowth = 4;          // from one search for what is nearest to the next
+constexpr double kSameArea = 1e-3;
+constexpr double kReachGrowth = 4;  // from one search for what is nearest to the next
 
 // Two pieces that are no further apart than was looked for.
 struct Near {
@@ -293,7 +295,7 @@ class Grouping {
     }
     grouping.has_gap.assign(static_cast<std::size_t>(grouping.count), false);
     for (const Near& contact : contacts_) {
-      if (contact.distance == 0) continue;
+      if (contact.distance == 0 || PartOf(contact.first) == PartOf(contact.second)) continue;
       for (const std::size_t piece : {contact.first, contact.second}) {
         grouping.has_gap[static_cast<std::size_t>(grouping.part_of[piece])] = true;
       }
@@ -331,6 +333,8 @@ absl::StatusOr<PartGrouping> GroupPieces(const std::vector<SurfacePiece>& pieces
 
 bool AreAlike(const SurfaceMesh& a, const SurfaceMesh& b, const Eigen::Vector3d& translation,
               double tolerance) {
+  // A box and a tray have the same corners.
+  if (std::abs(SurfaceArea(a) - SurfaceArea(b)) > kSameArea * SurfaceArea(a)) return false;
   PointMerger places(tolerance);
   for (const auto& vertex : a.vertices.colwise()) places.IndexOf(vertex);
   const Eigen::Index count = places.Points().cols();

@@ -45,8 +45,8 @@ struct PartGrouping {
 absl::StatusOr<PartGrouping> GroupPieces(const std::vector<SurfacePiece>& pieces,
                                          const PartGroupingOptions& options = {});
 
-// Whether two surfaces have the same corners, to within `tolerance`, if the second is moved by
-// `translation`.
+// Whether two surfaces have the same area, and the same corners, to within `tolerance`, if the
+// second is moved by `translation`.
 bool AreAlike(const SurfaceMesh& a, const SurfaceMesh& b, const Eigen::Vector3d& translation,
               double tolerance);
 

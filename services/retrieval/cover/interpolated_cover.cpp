@@ -33,7 +33,8 @@ constexpr std::size_t kComponentPoints = 400;
 constexpr double kSmallest = 1e-6;  // of the largest component: smaller ones are rounding
 constexpr double kRarePart = 0.05;  // of the samples, that may have structures without interpolant
 constexpr double kRounding = 1e-9;
-constexpr long kCheaper = 5;  // times as many evaluations as of the manifold itself
+constexpr long kMostInterpolated = 400'000;  // evaluations of what interpolates
+constexpr double kSurely = 3;                // standard deviations
 
 struct KnownPoint {
   VectorXd parameters;
@@ -58,14 +59,16 @@ class KnownPoints {
       const bool has_enough = std::all_of(points_.begin(), points_.end(), [&](const auto& each) {
         return each.second.size() >= count;
       });
-      if (has_enough || TooManyFail()) break;
+      if (has_enough || TooManyFail() || evaluator_.evaluations() >= options_.most_evaluations)
+        break;
     }
     return absl::OkStatus();
   }
 
+  // Whether surely more fail than may.
   bool TooManyFail() const {
-    return static_cast<double>(evaluator_.failures()) >
-           kMostFailures * static_cast<double>(std::max(50L, evaluator_.evaluations()));
+    const double expected = kMostFailures * static_cast<double>(evaluator_.evaluations());
+    return static_cast<double>(evaluator_.failures()) > expected + kSurely * std::sqrt(expected);
   }
 
   // The part of samples that have a structure.
@@ -236,15 +239,53 @@ class InterpolatedManifold : public Manifold {
   mutable std::atomic<long> others_ = 0;
 };
 
+// Adds what the points that are known took to the counts of a cover.
+void CountKnown(const KnownPoints& known, Cover* cover) {
+  cover->evaluations += known.evaluator().evaluations();
+  cover->failures += known.evaluator().failures();
+  if (cover->failure_messages.empty()) cover->failure_messages = known.evaluator().messages();
+}
+
 absl::StatusOr<Cover> CoverInterpolated(const InterpolatedManifold& manifold,
-                                        const KnownPoints& known, CoverOptions options) {
+                                        const KnownPoints& known, double part_without,
+                                        CoverOptions options) {
+  const long left = std::max(1L, options.most_evaluations - known.evaluator().evaluations());
   options.delta *= 1 - kErrorPart - kLeftOutPart;
-  options.most_evaluations *= kCheaper;
+  options.most_evaluations = kMostInterpolated;
+  if (part_without > 0) {
+    const double most = static_cast<double>(left) / part_without;
+    options.most_evaluations = std::min(kMostInterpolated, std::lround(most));
+  }
   MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(manifold, options));
   for (Primitive& primitive : cover.primitives) primitive = manifold.Lifted(std::move(primitive));
-  cover.evaluations = known.evaluator().evaluations() + manifold.others();
-  cover.failures += known.evaluator().failures();
-  if (cover.failure_messages.empty()) cover.failure_messages = known.evaluator().messages();
+  cover.evaluations = manifold.others();
+  CountKnown(known, &cover);
+  return cover;
+}
+
+// Leaves out primitives whose own designs cannot be made, as what interpolates knows nothing of
+// that.
+void DropWhatFails(const Manifold& manifold, int threads, Cover* cover) {
+  std::vector<VectorXd> centers;
+  for (const Primitive& primitive : cover->primitives) centers.push_back(primitive.parameters);
+  ParallelEvaluator evaluator(manifold, threads);
+  const auto values = evaluator.Evaluate(centers);
+  std::vector<Primitive> kept;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i].ok()) kept.push_back(std::move(cover->primitives[i]));
+  }
+  cover->primitives = std::move(kept);
+  cover->evaluations += evaluator.evaluations();
+  cover->failures += evaluator.failures();
+}
+
+// Covers the manifold itself with what is left of the evaluations.
+absl::StatusOr<Cover> CoverDirectly(const Manifold& manifold, const KnownPoints& known,
+                                    CoverOptions options) {
+  options.most_evaluations =
+      std::max(1L, options.most_evaluations - known.evaluator().evaluations());
+  MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(manifold, options));
+  CountKnown(known, &cover);
   return cover;
 }
 
@@ -262,11 +303,15 @@ absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const Cover
     const auto space = LeadingComponents(known, kLeftOutPart * options.delta);
     if (!space) continue;
     Interpolants interpolants = Interpolate(known, *space, kErrorPart * options.delta);
-    if (PartWithout(known, interpolants) > kRarePart) continue;
+    const double part_without = PartWithout(known, interpolants);
+    if (part_without > kRarePart) continue;
     const InterpolatedManifold interpolated(manifold, known, *space, std::move(interpolants));
-    return CoverInterpolated(interpolated, known, options);
+    MORTISE_ASSIGN_OR_RETURN(Cover cover,
+                             CoverInterpolated(interpolated, known, part_without, options));
+    if (known.evaluator().failures() > 0) DropWhatFails(manifold, options.threads, &cover);
+    return cover;
   }
-  return CoverManifold(manifold, options);
+  return CoverDirectly(manifold, known, options);
 }
 
 }  // namespace mortise::retrieval

@@ -7,15 +7,15 @@
 // surrogate models:
 //
 // - Some points are evaluated: samples, and every other one moved along a ray from the middle to
-// the
-//   boundary, so that little lies outside of what is known. They are projected onto their leading
-//   principal components, which leave out no more than δ/20.
+//   the boundary, so that little lies outside of what is known. They are projected onto their
+//   leading principal components, which leave out no more than δ/20.
 // - Within each structure they are interpolated by cubic radial basis functions with a polynomial
 //   tail (linear, or quadratic where there are points enough). The error is measured by leaving out
 //   one point after the other, which for such functions needs no second fit (Rippa 1999). As long
 //   as one in twenty errors is more than δ/5, the number of points is doubled.
-// - What interpolates is then covered as the manifold would be (manifold_cover.h), with δ less the
-//   error, and its primitives are lifted from the principal components.
+// - What interpolates is then covered as the manifold would be (manifold_cover.h), with three
+//   quarters of δ, and its primitives are lifted from the principal components. So a design that is
+//   interpolated to δ/5 is no further than δ from them; one in twenty may be further.
 //
 // Designs of structures that are too rare to be interpolated are evaluated each by itself.
 #pragma once

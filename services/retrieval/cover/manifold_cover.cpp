@@ -119,10 +119,10 @@ class Race {
   Race(const Manifold& manifold, CoverOptions options, VectorXd extents)
       : options_(std::move(options)),
         extents_(std::move(extents)),
-        evaluator_(manifold, options.threads),
-        random_(options.seed) {
-    contenders_.push_back({.kind = options.kind});
-    if (options.kind != CoverKind::kMixed || !options.race) return;
+        evaluator_(manifold, options_.threads),
+        random_(options_.seed) {
+    contenders_.push_back({.kind = options_.kind});
+    if (options_.kind != CoverKind::kMixed || !options_.race) return;
     contenders_.push_back({.kind = CoverKind::kPoints});
     contenders_.push_back({.kind = CoverKind::kTangents});
   }

@@ -130,23 +130,30 @@ absl::StatusOr<MatrixXd> DirectionsAt(const FitFamily& family, const VectorXd& q
 // How the surface moves along a direction; nothing where that cannot be made.
 absl::StatusOr<Matrix3Xd> MotionAlong(const FitFamily& family, const FamilyMember& member,
                                       const VectorXd& direction) {
-  const auto beside = [&](double step) {
-    const VectorXd q = (member.q + step * direction)
-                           .cwiseMax(family.surfaces.lower)
-                           .cwiseMin(family.surfaces.upper);
-    return family.surfaces.surface(q);
+  const VectorXd ranges = family.surfaces.upper - family.surfaces.lower;
+  const auto beside = [&](double step) -> absl::StatusOr<SurfaceMesh> {
+    const VectorXd q = member.q + step * direction;
+    const VectorXd kept = q.cwiseMax(family.surfaces.lower).cwiseMin(family.surfaces.upper);
+    // A shorter step than is divided by would tell of too slow a motion.
+    if (((q - kept).array().abs() > kWithin * ranges.array()).any()) {
+      return absl::OutOfRangeError("the design beside it is beyond the ranges of its parameters");
+    }
+    return family.surfaces.surface(kept);
   };
+  absl::Status failed;
   for (const double sign : {1.0, -1.0}) {
     const absl::StatusOr<SurfaceMesh> near = beside(sign * kShortStep);
+    failed.Update(near.status());
     if (!near.ok()) continue;
     if (HaveSameTriangles(*near, member.surface)) {
       return Matrix3Xd((near->vertices - member.surface.vertices) / (sign * kShortStep));
     }
     const absl::StatusOr<SurfaceMesh> far = beside(sign * kLongStep);
+    failed.Update(far.status());
     if (!far.ok()) continue;
     return Matrix3Xd(NormalMotion(member.surface, *far) / (sign * kLongStep));
   }
-  return beside(kShortStep).status();
+  return failed;
 }
 
 absl::Status AddVelocities(const FitFamily& family, int threads, FamilyMember* member) {
@@ -255,9 +262,16 @@ absl::StatusOr<VectorXd> NearestFeasible(const FitFamily& family, const VectorXd
   const VectorXd bounds = constraints.bounds - constraints.normals * family.surfaces.lower -
                           kWithin * rows.rowwise().norm();
   const parametric::Polyhedron feasible{rows, bounds, MatrixXd(0, q.size()), VectorXd(0)};
-  MORTISE_ASSIGN_OR_RETURN(
-      const parametric::Projection projection,
-      parametric::ProjectOnto(feasible, (q - family.surfaces.lower).cwiseQuotient(ranges)));
+  const VectorXd wish = (q - family.surfaces.lower).cwiseQuotient(ranges);
+  MORTISE_ASSIGN_OR_RETURN(parametric::Projection projection,
+                           parametric::ProjectOnto(feasible, wish));
+  if (!projection.point) {
+    // What is flat has nothing within.
+    const parametric::Polyhedron flat{
+        rows, constraints.bounds - constraints.normals * family.surfaces.lower,
+        MatrixXd(0, q.size()), VectorXd(0)};
+    MORTISE_ASSIGN_OR_RETURN(projection, parametric::ProjectOnto(flat, wish));
+  }
   if (!projection.point) {
     return PreconditionFailed("NOTHING_FEASIBLE", "no parameters meet all constraints", "cuts");
   }

@@ -97,7 +97,6 @@ absl::StatusOr<QueryPoints> MakeQueryPoints(const mesh::SurfaceMesh& surface, In
     points.smoothed.col(i) = patch.middle;
     points.normals.col(i) = patch.normal;
     points.sided[static_cast<std::size_t>(i)] = welded.sided[static_cast<std::size_t>(triangle)];
-    points.box.extend(patch.middle);
   }
   return points;
 }

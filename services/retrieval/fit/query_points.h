@@ -20,7 +20,6 @@ struct QueryPoints {
   Eigen::Matrix3Xd smoothed;  // 3 × n
   Eigen::Matrix3Xd normals;   // 3 × n, of length 1
   std::vector<bool> sided;    // n: whether the normal points outwards, rather than either way
-  Eigen::AlignedBox3d box;    // around the smoothed places
   double diagonal = 0;        // of the surface
   double noise = 0;           // standard deviation, estimated
 

@@ -99,5 +99,42 @@ TEST(InterpolatedCover, IsTheDirectOneWhereInterpolationWillNotDo) {
   for (const Primitive& primitive : half.primitives) EXPECT_LE(primitive.parameters[0], 0.5);
 }
 
+// Few designs of a corner cannot be made: what interpolates does not know it.
+TEST(InterpolatedCover, HasNoDesignThatCannotBeMade) {
+  ManifoldFunctions functions = testing::Paraboloid();
+  const Eigen::VectorXd corner = functions.lower + 0.88 * (functions.upper - functions.lower);
+  functions.evaluate = [whole = functions.evaluate,
+                        corner](const Eigen::VectorXd& q) -> absl::StatusOr<Eigen::VectorXd> {
+    if ((q.array() > corner.array()).all()) return absl::FailedPreconditionError("too large");
+    return whole(q);
+  };
+  const FunctionManifold manifold(functions);
+  const auto cover = CoverByInterpolation(manifold, {.delta = 0.02, .seed = 3});
+  ASSERT_TRUE(cover.ok()) << cover.status();
+  ASSERT_GT(cover->primitives.size(), 20u);
+  EXPECT_GT(cover->failures, 0);
+  for (const Primitive& each : cover->primitives) {
+    EXPECT_TRUE(functions.evaluate(each.parameters).ok()) << each.parameters.transpose();
+  }
+}
+
+TEST(InterpolatedCover, KeepsToItsEvaluations) {
+  const testing::ToyFamily family(3);
+  long made = 0;
+  ManifoldFunctions functions = family.Functions();
+  functions.evaluate = [whole = functions.evaluate, &made](const Eigen::VectorXd& q) {
+    ++made;
+    return whole(q);
+  };
+  const FunctionManifold manifold(functions);
+  // So small a δ that what interpolates is never good enough.
+  const CoverOptions options{.delta = 1e-5, .seed = 3, .most_evaluations = 400};
+  const auto cover = CoverByInterpolation(manifold, options);
+  ASSERT_TRUE(cover.ok()) << cover.status();
+  EXPECT_EQ(cover->end, CoverEnd::kEvaluationLimit);
+  EXPECT_EQ(cover->evaluations, made);
+  EXPECT_LT(made, 600);
+}
+
 }  // namespace
 }  // namespace mortise::retrieval
