@@ -275,6 +275,8 @@ void DropWhatFails(const Manifold& manifold, int threads, Cover* cover) {
     if (values[i].ok()) kept.push_back(std::move(cover->primitives[i]));
   }
   cover->primitives = std::move(kept);
+  cover->cost = 0;
+  for (const Primitive& primitive : cover->primitives) cover->cost += Cost(primitive);
   cover->evaluations += evaluator.evaluations();
   cover->failures += evaluator.failures();
 }
