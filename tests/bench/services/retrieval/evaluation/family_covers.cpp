@@ -1,9 +1,11 @@
 #include "tests/bench/services/retrieval/evaluation/family_covers.h"
 
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "services/retrieval/families/family_manifold.h"
@@ -28,10 +30,12 @@ std::vector<Primitive> PrimitivesOf(const PrimitiveIndex& index) {
 
 std::filesystem::path FamilyCovers::PathOf(const EvaluationFamily& family,
                                            const Descriptor& descriptor, double delta) const {
-  const std::string content = absl::StrFormat(
-      "%s %s %s %d %a %d %d %d %d %d", family.name, family.function->head().digest,
-      descriptor.properties().name, descriptor.properties().dimension, delta, options_.rejections,
-      options_.most_evaluations, options_.seed, static_cast<int>(options_.kind));
+  const std::string content = absl::StrJoin(
+      std::make_tuple(family.name, family.function->head().digest, descriptor.properties().name,
+                      descriptor.properties().dimension, absl::StrFormat("%a", delta),
+                      options_.rejections, options_.most_primitives, options_.most_evaluations,
+                      options_.seed, static_cast<int>(options_.kind)),
+      " ");
   return folder_ / absl::StrCat("cover-", Sha256Hex(content).substr(0, 24));
 }
 
