@@ -1,5 +1,7 @@
 #include "tests/bench/services/retrieval/evaluation/family_covers.h"
 
+#include <cstring>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -8,20 +10,84 @@
 #include "absl/strings/str_join.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
+#include "common/base/files.h"
 #include "services/retrieval/families/family_manifold.h"
-#include "services/retrieval/index/index_file.h"
 #include "tests/bench/services/retrieval/evaluation/remembering_manifold.h"
 
 namespace mortise::retrieval {
 namespace {
 
-// In the order in which they were found, from the index of one family.
-std::vector<Primitive> PrimitivesOf(const PrimitiveIndex& index) {
-  const auto entries = index.arrays().primitives;
-  std::vector<Primitive> primitives(entries.size());
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    primitives[static_cast<std::size_t>(entries[i].number)] =
-        index.PrimitiveOf({.family = 0, .entry = static_cast<int>(i)});
+using Eigen::Index;
+
+constexpr std::size_t kDigestSize = 64;
+
+// Numbers one after the other, and their digest: what is kept of a cover. An index of each would
+// take longer to build than many covers.
+class Numbers {
+ public:
+  void Add(double number) { numbers_.push_back(number); }
+  void Add(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+    Add(static_cast<double>(matrix.rows()));
+    Add(static_cast<double>(matrix.cols()));
+    for (const double number : matrix.reshaped()) Add(number);
+  }
+
+  double Next() { return numbers_[next_++]; }
+  Eigen::MatrixXd NextMatrix() {
+    const auto rows = static_cast<Index>(Next()), columns = static_cast<Index>(Next());
+    Eigen::MatrixXd matrix(rows, columns);
+    for (double& number : matrix.reshaped()) number = Next();
+    return matrix;
+  }
+  bool AtEnd() const { return next_ >= numbers_.size(); }
+
+  absl::Status Write(const std::filesystem::path& path) const {
+    const std::string bytes(reinterpret_cast<const char*>(numbers_.data()),
+                            numbers_.size() * sizeof(double));
+    return WriteFile(path, absl::StrCat(Sha256Hex(bytes), bytes));
+  }
+
+  // Nothing for a file that is not there or not as it was written.
+  static std::optional<Numbers> Read(const std::filesystem::path& path) {
+    const absl::StatusOr<std::string> file = ReadFile(path);
+    if (!file.ok() || file->size() < kDigestSize) return std::nullopt;
+    const std::string bytes = file->substr(kDigestSize);
+    if (Sha256Hex(bytes) != file->substr(0, kDigestSize)) return std::nullopt;
+    Numbers numbers;
+    numbers.numbers_.resize(bytes.size() / sizeof(double));
+    std::memcpy(numbers.numbers_.data(), bytes.data(), bytes.size());
+    return numbers;
+  }
+
+ private:
+  std::vector<double> numbers_;
+  std::size_t next_ = 0;
+};
+
+absl::Status WriteCover(const std::vector<Primitive>& primitives,
+                        const std::filesystem::path& path) {
+  Numbers numbers;
+  for (const Primitive& primitive : primitives) {
+    numbers.Add(primitive.structure);
+    numbers.Add(primitive.parameters);
+    numbers.Add(primitive.center);
+    numbers.Add(primitive.axes);
+    numbers.Add(primitive.radii);
+  }
+  return numbers.Write(path);
+}
+
+std::optional<std::vector<Primitive>> ReadCover(const std::filesystem::path& path) {
+  std::optional<Numbers> numbers = Numbers::Read(path);
+  if (!numbers) return std::nullopt;
+  std::vector<Primitive> primitives;
+  while (!numbers->AtEnd()) {
+    Primitive& primitive = primitives.emplace_back();
+    primitive.structure = static_cast<int>(numbers->Next());
+    primitive.parameters = numbers->NextMatrix();
+    primitive.center = numbers->NextMatrix();
+    primitive.axes = numbers->NextMatrix();
+    primitive.radii = numbers->NextMatrix();
   }
   return primitives;
 }
@@ -45,10 +111,9 @@ absl::StatusOr<std::vector<std::vector<Primitive>>> FamilyCovers::Of(
   std::unique_ptr<Manifold> manifold;
   std::vector<std::vector<Primitive>> covers;
   for (const double delta : deltas) {
-    const std::string& name = descriptor->properties().name;
     const std::filesystem::path path = PathOf(family, *descriptor, delta);
-    if (const absl::StatusOr<StoredIndex> kept = ReadIndex(path, name); kept.ok()) {
-      covers.push_back(PrimitivesOf(kept->index));
+    if (std::optional<std::vector<Primitive>> kept = ReadCover(path)) {
+      covers.push_back(*std::move(kept));
       continue;
     }
     if (!manifold) {
@@ -58,11 +123,8 @@ absl::StatusOr<std::vector<std::vector<Primitive>>> FamilyCovers::Of(
     CoverOptions options = options_;
     options.delta = delta;
     MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(*manifold, options));
-    std::vector<FamilyCover> one;
-    one.push_back({.family = 0, .primitives = std::move(cover.primitives)});
-    MORTISE_ASSIGN_OR_RETURN(const PrimitiveIndex index, PrimitiveIndex::Build(std::move(one)));
-    MORTISE_RETURN_IF_ERROR(WriteIndex(index, name, family.name, path));
-    covers.push_back(PrimitivesOf(index));
+    MORTISE_RETURN_IF_ERROR(WriteCover(cover.primitives, path));
+    covers.push_back(std::move(cover.primitives));
   }
   return covers;
 }

@@ -19,8 +19,7 @@ class FamilyCovers {
   FamilyCovers(std::filesystem::path folder, CoverOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
 
-  // The primitives of a family for each δ: those that are kept, else made now and kept. Centres and
-  // axes are rounded to floats, as an index has them.
+  // The primitives of a family for each δ: those that are kept, else made now and kept.
   absl::StatusOr<std::vector<std::vector<Primitive>>> Of(
       const EvaluationFamily& family, const std::shared_ptr<const Descriptor>& descriptor,
       const std::vector<double>& deltas) const;
