@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/field_sources.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
@@ -399,16 +400,14 @@ void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
                   "Which way is up in a mesh: x, y or z; as its format says, or else z");
   add->add_option("--most-parts", import_options->most_parts,
                   "How many parts a mesh becomes at most, 1 to 200; 40 if left out");
-  AddTagOptions(*add, import_options->tags);
+  CommandFlags import_flags(*add);
+  AddTagOptions(import_flags, import_options->tags);
   add->footer(
       "Example: mortise assembly import collection/assemblies/bookshelf.textproto\n"
       "         mortise assembly import table.step --annotations table.textproto\n"
       "         mortise assembly import chair.obj --unit cm --up y");
-  add->callback([&session, import_options] {
-    session.command = [import_options](Session& s, Output& o) {
-      return Import(*import_options, s, o);
-    };
-  });
+  import_flags.Run(
+      session, [import_options](Session& s, Output& o) { return Import(*import_options, s, o); });
 
   auto export_options = std::make_shared<ExportOptions>();
   CLI::App* out =
