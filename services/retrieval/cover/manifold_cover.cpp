@@ -196,6 +196,7 @@ class Race {
       sizes.push_back(contenders_[c].set.size());
     }
     for (std::size_t i = 0; i < batch.size() && AnyRuns(); ++i) {
+      if (i > 0 && AtLimit()) break;
       MORTISE_RETURN_IF_ERROR(CheckStop());
       PrimitiveMaker maker(evaluator_, extents_, options_.delta, batch[i]);
       for (std::size_t c = 0; c < contenders_.size(); ++c) {

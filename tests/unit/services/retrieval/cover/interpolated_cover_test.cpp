@@ -133,7 +133,7 @@ TEST(InterpolatedCover, KeepsToItsEvaluations) {
   ASSERT_TRUE(cover.ok()) << cover.status();
   EXPECT_EQ(cover->end, CoverEnd::kEvaluationLimit);
   EXPECT_EQ(cover->evaluations, made);
-  EXPECT_LT(made, 600);
+  EXPECT_LT(made, 800);  // with the last batch of samples
 }
 
 }  // namespace
