@@ -21,7 +21,7 @@ namespace {
 using testing::Call;
 
 constexpr char kCart[] = "templates/tool-cart";
-constexpr double kDelta = 0.3;  // of the index
+constexpr double kDelta = 0.15;  // of the index
 
 // A collection of a cart with a frame, a handle and a drawer.
 class CartCollection {
@@ -59,7 +59,7 @@ class SubTreesTest : public ::testing::Test {
     house_ = std::make_unique<House>();
     v1::BuildIndexRequest request;
     request.set_request_id("sub-trees");
-    request.add_shape_descriptors(v1::D2);
+    request.add_shape_descriptors(v1::VOXEL);
     request.set_delta(kDelta);
     const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
     const auto started = Call(*retrieval, &v1::RetrievalService::Stub::BuildIndex, request);
@@ -77,7 +77,7 @@ class SubTreesTest : public ::testing::Test {
   static absl::StatusOr<v1::ShapeIndex> Index() {
     const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
     v1::GetIndexRequest get;
-    get.set_name("indexes/d2");
+    get.set_name("indexes/voxel");
     return Call(*retrieval, &v1::RetrievalService::Stub::GetIndex, get);
   }
 
@@ -90,6 +90,7 @@ class SubTreesTest : public ::testing::Test {
     const auto design = Call(*catalog, &v1::CatalogService::Stub::EvaluateTemplate, evaluate);
     if (!design.ok()) return design.status();
     v1::SearchShapesRequest request;
+    request.set_shape_descriptor(v1::VOXEL);
     request.mutable_design()->set_template_(kCart);
     for (const auto& part : design->parts())
       if (part.name().starts_with(beginning)) request.mutable_design()->add_parts(part.name());
