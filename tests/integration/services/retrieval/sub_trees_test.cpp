@@ -67,7 +67,7 @@ class SubTreesTest : public ::testing::Test {
     const auto operations = v1::OperationService::NewStub(house_->service.channel());
     v1::WaitOperationRequest wait;
     wait.set_name(started->name());
-    wait.set_timeout_seconds(240);
+    wait.set_timeout_seconds(600);
     const auto done = Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
     ASSERT_TRUE(done.ok()) << done.status();
     ASSERT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
