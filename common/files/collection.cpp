@@ -120,17 +120,7 @@ absl::StatusOr<Version> ReadVersion(const fs::path& file) {
   return version;
 }
 
-template <typename Messages>
-void LabelAll(const std::map<std::string, std::string>& categories, Messages* messages) {
-  for (auto& message : *messages) {
-    const auto category = categories.find(message.name());
-    if (category != categories.end()) {
-      (*message.mutable_labels())["category"] = category->second;
-    }
-  }
-}
-
-// Gives templates and assemblies the categories of a file. What the collection does not have, as a
+// Gives templates the categories of a file. What the collection does not have, as a
 // part of one, is passed over.
 absl::Status LabelCategories(const fs::path& file, Collection& collection) {
   MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
@@ -150,8 +140,12 @@ absl::Status LabelCategories(const fs::path& file, Collection& collection) {
   for (FieldViolation& finding : findings)
     finding.field = absl::StrCat(file.string(), ": ", finding.field);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
-  LabelAll(categories, &collection.templates);
-  LabelAll(categories, &collection.assemblies);
+  for (v1::Template& message : collection.templates) {
+    const auto category = categories.find(message.name());
+    if (category != categories.end()) {
+      (*message.mutable_labels())["category"] = category->second;
+    }
+  }
   return absl::OkStatus();
 }
 

@@ -9,8 +9,8 @@
 //   cage_templates/*.textproto                 each a mortise.v1.CageTemplate
 //   shapes/*.shape                             each a mortise.v1.Shape, read from the drawing
 //                                              shapes/*.step, which items and parts name
-//   categories.csv                             the category of templates and assemblies by name: of
-//                                              each that is there it becomes the label "category"
+//   categories.csv                             the category of templates by name, as their label
+//                                              "category"; assemblies have theirs in their files
 //   versions.csv                               a number and a digest for each version that shipped
 #pragma once
 

@@ -39,16 +39,20 @@ absl::StatusOr<CleanedFile> CleanBinary(std::string_view bytes) {
   return cleaned;
 }
 
-// The facets of a text, one vertex after the other.
+// The facets of a text, one vertex after the other. Some programs write a facet in one line.
 class StlText {
  public:
   absl::Status Add(std::string_view line, long number) {
     std::string_view rest = line;
-    const std::string_view word = TakeWord(rest);
-    if (word == "solid") text_.SetComponent(Trimmed(rest));
-    if (word == "facet") return EndFacet(number);
-    if (word == "endfacet") return EndFacet(number);
-    if (word == "vertex") return AddVertex(rest, number);
+    for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
+      if (word == "solid" || word == "endsolid") {
+        // What follows is a name.
+        if (word == "solid") text_.SetComponent(Trimmed(rest));
+        return absl::OkStatus();
+      }
+      if (word == "facet" || word == "endfacet") MORTISE_RETURN_IF_ERROR(EndFacet(number));
+      if (word == "vertex") MORTISE_RETURN_IF_ERROR(AddVertex(rest, number));
+    }
     return absl::OkStatus();
   }
 
@@ -58,7 +62,7 @@ class StlText {
   }
 
  private:
-  absl::Status AddVertex(std::string_view line, long number) {
+  absl::Status AddVertex(std::string_view& line, long number) {
     std::vector<std::string_view> words = {TakeWord(line), TakeWord(line), TakeWord(line)};
     if (words.back().empty()) return FaultAtLine(number, "a vertex has too few coordinates");
     corners_.push_back(text_.vertices());

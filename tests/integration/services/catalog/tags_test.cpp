@@ -180,6 +180,7 @@ TEST_F(TagsTest, AnImportOfManyThingsLeavesTagsThatItSaysNothingOf) {
   *request.add_items() = Peg("peg", "materials/ash");
   *request.add_templates() = GetTemplate("templates/table");
   request.mutable_templates(0)->set_name("templates/desk");
+  request.mutable_templates(0)->clear_labels();
   v1::ImportCatalogRequest tagged = request;
   Tag(tagged.mutable_materials(0), "W-17");
   Tag(tagged.mutable_items(0));
