@@ -96,5 +96,19 @@ TEST(StlFile, IsRefusedWithWhatIsWrong) {
   EXPECT_THAT(Refusal("solid empty\nendsolid empty\n", "a.stl"), HasSubstr("no faces"));
 }
 
+TEST(StlFile, TakesFacetsOfOneLine) {
+  const auto scene = ImportScene(
+      "solid of one line\n"
+      "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n"
+      "facet normal 0 0 1 outer loop vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop endfacet\n"
+      "endsolid of one line\n",
+      "a.stl");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  ASSERT_EQ(scene->components.size(), 1u);
+  EXPECT_EQ(scene->components[0].name, "of one line");
+  EXPECT_EQ(scene->components[0].triangles.cols(), 2);
+  EXPECT_EQ(scene->components[0].vertices.cols(), 4);
+}
+
 }  // namespace
 }  // namespace mortise::mesh
