@@ -24,7 +24,7 @@ StudyEffort QuickEffort() {
   StudyEffort effort;
   effort.rejections = 20;
   effort.most_primitives = 20;
-  effort.most_evaluations = 100;
+  effort.most_evaluations = 400;
   effort.deltas = {0.7, 0.5};
   effort.accuracy_deltas = {0.3, 0.5};
   effort.other_accuracy_deltas = {};
