@@ -106,13 +106,18 @@ bool GivesName(const FieldDescriptor* field) {
   return names.count(field->full_name()) != 0;
 }
 
-// Names of what is drawn, within one assembly: any short text.
+// Names of what is drawn, within one assembly, and of files: any short text.
 bool IsLabel(const FieldDescriptor* field) {
-  static const std::set<std::string> names = {
-      "mortise.v1.AssemblyPart.name",    "mortise.v1.AssemblyGroup.name",
-      "mortise.v1.Joint.name",           "mortise.v1.RestPose.name",
-      "mortise.v1.ProminentPlane.name",  "mortise.v1.MeshLoadCase.name",
-      "mortise.v1.LoadCombination.name", "mortise.v1.MeshProbe.name"};
+  static const std::set<std::string> names = {"mortise.v1.AssemblyPart.name",
+                                              "mortise.v1.AssemblyGroup.name",
+                                              "mortise.v1.Joint.name",
+                                              "mortise.v1.RestPose.name",
+                                              "mortise.v1.ProminentPlane.name",
+                                              "mortise.v1.MeshLoadCase.name",
+                                              "mortise.v1.LoadCombination.name",
+                                              "mortise.v1.MeshProbe.name",
+                                              "mortise.v1.ImportAssemblyMeshRequest.file_name",
+                                              "mortise.v1.QueryMesh.file_name"};
   return names.count(field->full_name()) != 0;
 }
 

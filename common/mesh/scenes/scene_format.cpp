@@ -1,5 +1,6 @@
 #include "common/mesh/scenes/scene_format.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <optional>
@@ -13,6 +14,8 @@
 
 namespace mortise::mesh {
 namespace {
+
+constexpr std::size_t kMaxFileName = 255;  // bytes, as file systems have it
 
 using std::string_view_literals::operator""sv;
 
@@ -102,6 +105,15 @@ std::string_view NameOf(SceneFormat format) {
     if (known.format == format) return known.name;
   }
   return "";
+}
+
+absl::Status CheckFileName(std::string_view file_name) {
+  const bool is_text = std::none_of(file_name.begin(), file_name.end(), [](char c) {
+    return static_cast<unsigned char>(c) < ' ' || c == 127;
+  });
+  if (is_text && file_name.size() <= kMaxFileName) return absl::OkStatus();
+  return InvalidField("file_name",
+                      absl::StrCat("must be text of at most ", kMaxFileName, " bytes"));
 }
 
 std::optional<SceneFormat> FormatOfName(std::string_view file_name) {

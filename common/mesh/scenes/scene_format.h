@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace mortise::mesh {
@@ -19,6 +20,10 @@ enum class SceneFormat {
 
 // "OBJ", "OFF", "PLY", "glTF", "GLB" or "STL".
 std::string_view NameOf(SceneFormat format);
+
+// INVALID_ARGUMENT, "file_name": a text that no file is called by, as it has more than 255 bytes or
+// control characters. None at all is right.
+absl::Status CheckFileName(std::string_view file_name);
 
 // The format that a file is called after, by its extension in either case (".obj"), or by the
 // extension alone ("obj"); nothing for others.

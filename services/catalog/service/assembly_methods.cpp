@@ -8,6 +8,7 @@
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
 #include "common/mesh/length_unit.h"
+#include "common/mesh/scenes/scene_format.h"
 #include "common/resources/collection.h"
 #include "common/resources/resource_tags.h"
 #include "services/catalog/exchange/assembly_import.h"
@@ -111,6 +112,7 @@ MeshDrawingOptions OptionsOf(const v1::ImportAssemblyMeshRequest& asked, absl::S
     faults = Together(faults, metres.status());
     if (metres.ok()) options.unit = *metres;
   }
+  faults = Together(faults, mesh::CheckFileName(asked.file_name()));
   const bool is_count =
       asked.most_parts() >= 0 && asked.most_parts() <= static_cast<std::int64_t>(kMaxMeshParts);
   if (!is_count) {

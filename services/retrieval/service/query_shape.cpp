@@ -10,6 +10,7 @@
 #include "common/design/parameter_values.h"
 #include "common/files/template_codec.h"
 #include "common/mesh/length_unit.h"
+#include "common/mesh/scenes/scene_format.h"
 #include "common/mesh/scenes/scene_reader.h"
 #include "services/retrieval/families/design_surface.h"
 
@@ -36,7 +37,9 @@ absl::StatusOr<std::string> BytesOf(const v1::QueryMesh& query, const UploadedMe
 absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query, const UploadedMeshes& meshes) {
   const absl::StatusOr<std::optional<double>> unit = StatedUnit(query);
   const absl::StatusOr<std::string> bytes = BytesOf(query, meshes);
-  MORTISE_RETURN_IF_ERROR(UnderField("mesh", Together(bytes.status(), unit.status())));
+  const absl::Status named = mesh::CheckFileName(query.file_name());
+  MORTISE_RETURN_IF_ERROR(
+      UnderField("mesh", Together(Together(bytes.status(), named), unit.status())));
   absl::StatusOr<mesh::Scene> read = mesh::ReadScene(*bytes, query.file_name());
   if (absl::IsInvalidArgument(read.status())) return UnderField("mesh", read.status());
   MORTISE_RETURN_IF_ERROR(read.status());

@@ -70,5 +70,12 @@ TEST(SceneFormat, IsKnownByNamesOfFiles) {
   EXPECT_EQ(NameOf(SceneFormat::kGltf), "glTF");
 }
 
+TEST(CheckFileName, RefusesWhatNoFileIsCalled) {
+  EXPECT_TRUE(CheckFileName("").ok());
+  EXPECT_TRUE(CheckFileName("große Stühle (2).obj").ok());
+  EXPECT_FALSE(CheckFileName(std::string(256, 'a')).ok());
+  EXPECT_FALSE(CheckFileName(std::string("a\0b", 3)).ok());
+}
+
 }  // namespace
 }  // namespace mortise::mesh
