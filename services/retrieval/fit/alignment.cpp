@@ -21,10 +21,6 @@ using Eigen::VectorXd;
 constexpr double kNormalLength = 0.1;  // of the diagonal
 constexpr double kBesides = 3;         // reaches that a point may lie beside its triangle
 
-Eigen::AlignedBox3d BoxOf(const Matrix3Xd& points) {
-  return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
-}
-
 // An affine map along the axes.
 struct Stretch {
   Vector3d factors = Vector3d::Ones();
@@ -151,7 +147,7 @@ struct Scene {
         facing(pose.Rotation() * query.normals),
         alike(step.alike),
         beside(step.stretched ? std::numeric_limits<double>::infinity() : kBesides * step.reach) {
-    if (step.stretched) stretch = StretchInto(BoxOf(smoothed), BoxOf(places));
+    if (step.stretched) stretch = StretchInto(BoxAround(smoothed), BoxAround(places));
   }
 
   const mesh::SurfaceMesh& surface;

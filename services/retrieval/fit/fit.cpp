@@ -91,10 +91,6 @@ struct Fitted {
   bool converged = false;
 };
 
-AlignedBox3d BoxOf(const Matrix3Xd& points) {
-  return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
-}
-
 // Mean of squares, none more than that of the limit.
 double LimitedMean(const VectorXd& distances, double limit) {
   if (distances.size() == 0) return limit * limit;
@@ -178,11 +174,11 @@ class DesignFit {
                      std::vector<Candidate>* candidates) const {
     const MeshPoints samples = SampleSurface(surface, kCoarsePoints);
     const Matrix3Xd places = samples.PlacesOn(surface);
-    const AlignedBox3d box = BoxOf(places);
+    const AlignedBox3d box = BoxAround(places);
     const OrientedPoints design(places, samples.NormalsOn(surface), 0.1 * box.diagonal().norm());
     for (int turn = 0; turn < kQuarterTurns; ++turn) {
       Candidate candidate{start, q, {.turn = turn * std::numbers::pi / 2}, 0};
-      const AlignedBox3d turned = BoxOf(candidate.pose.ToDesign(query_.glance.smoothed));
+      const AlignedBox3d turned = BoxAround(candidate.pose.ToDesign(query_.glance.smoothed));
       if (options_.scale_is_free) {
         candidate.pose.scale = box.diagonal().norm() / turned.diagonal().norm();
       }
@@ -198,7 +194,7 @@ class DesignFit {
     const QueryPoints& glance = query_.glance;
     const Matrix3Xd places = pose.ToDesign(glance.smoothed);
     const Matrix3Xd normals = pose.Rotation() * glance.normals;
-    const AlignedBox3d around = BoxOf(places);
+    const AlignedBox3d around = BoxAround(places);
     const double diagonal = box.diagonal().norm();
     const Vector3d flat = Vector3d::Constant(1e-6 * diagonal);
     const Vector3d factors = (box.sizes() + flat).cwiseQuotient(around.sizes() + flat);

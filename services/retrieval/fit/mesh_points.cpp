@@ -18,9 +18,7 @@ constexpr double kOutside = 0.25;    // of a barycentric coordinate
 constexpr std::uint64_t kSeed = 3;
 
 Vector3d AreaOf(const mesh::SurfaceMesh& surface, Index triangle) {
-  const Eigen::Vector3i corners = surface.triangles.col(triangle);
-  const Vector3d a = surface.vertices.col(corners[0]);
-  return 0.5 * (surface.vertices.col(corners[1]) - a).cross(surface.vertices.col(corners[2]) - a);
+  return AreaVector(surface.vertices, surface.triangles.col(triangle));
 }
 
 }  // namespace

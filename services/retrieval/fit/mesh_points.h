@@ -2,10 +2,23 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::retrieval {
+
+// The box around points (3 × n, n >= 1).
+inline Eigen::AlignedBox3d BoxAround(const Eigen::Matrix3Xd& points) {
+  return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
+}
+
+// The area of a triangle as a vector along its normal.
+inline Eigen::Vector3d AreaVector(const Eigen::Matrix3Xd& vertices,
+                                  const Eigen::Vector3i& corners) {
+  const Eigen::Vector3d a = vertices.col(corners[0]);
+  return 0.5 * (vertices.col(corners[1]) - a).cross(vertices.col(corners[2]) - a);
+}
 
 // Points by triangle and barycentric coordinates: linear functions of the vertices.
 struct MeshPoints {

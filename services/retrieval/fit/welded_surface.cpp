@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "common/mesh/point_merger.h"
+#include "services/retrieval/fit/mesh_points.h"
 
 namespace mortise::retrieval {
 namespace {
@@ -22,11 +23,6 @@ constexpr double kSamePlace = 1e-7;    // of the diagonal
 constexpr double kNoArea = 1e-12;      // of the diagonal squared
 constexpr double kLeastVolume = 3e-4;  // of the area to the power of 3/2: less is flat
 constexpr int kFewVertices = 50;       // of whose noise nothing can be said
-
-Vector3d AreaOf(const Matrix3Xd& vertices, const Vector3i& corners) {
-  const Vector3d a = vertices.col(corners[0]);
-  return 0.5 * (vertices.col(corners[1]) - a).cross(vertices.col(corners[2]) - a);
-}
 
 // The corners' columns, if they are there and finite.
 bool IsUsable(const mesh::SurfaceMesh& surface, const Vector3i& corners) {
@@ -166,7 +162,8 @@ absl::StatusOr<WeldedSurface> Weld(const mesh::SurfaceMesh& surface) {
   std::vector<int> merged(static_cast<std::size_t>(surface.vertices.cols()), -1);
   for (const auto& corners : surface.triangles.colwise()) {
     if (!IsUsable(surface, corners)) continue;
-    if (AreaOf(surface.vertices, corners).norm() <= kNoArea * welded.diagonal * welded.diagonal) {
+    if (AreaVector(surface.vertices, corners).norm() <=
+        kNoArea * welded.diagonal * welded.diagonal) {
       continue;
     }
     Vector3i triangle;
@@ -186,7 +183,7 @@ absl::StatusOr<WeldedSurface> Weld(const mesh::SurfaceMesh& surface) {
   welded.areas.resize(3, count);
   for (Index t = 0; t < count; ++t) {
     welded.triangles.col(t) = triangles[static_cast<std::size_t>(t)];
-    welded.areas.col(t) = AreaOf(welded.vertices, welded.triangles.col(t));
+    welded.areas.col(t) = AreaVector(welded.vertices, welded.triangles.col(t));
   }
   Turner(&welded).Run();
   return welded;
