@@ -78,8 +78,10 @@ absl::StatusOr<ShopFloor::Order*> ShopFloor::FindOrder(const std::string& order_
     return absl::OkStatus();
   }));
   const OrderState state = OrderStateFrom(summary.state());
-  return &orders_.emplace(order_name, Order{std::move(summary), WorkOrder(std::move(cuts), state)})
-              .first->second;
+  const auto taken_up =
+      orders_.emplace(order_name, Order{std::move(summary), WorkOrder(std::move(cuts), state)});
+  CountOrdersUnderWay();
+  return &taken_up.first->second;
 }
 
 absl::Status ShopFloor::Commit(Order* order, const Change& change, const Also& also) {
@@ -108,6 +110,7 @@ absl::Status ShopFloor::Commit(Order* order, const Change& change, const Also& a
   }));
   order->summary = std::move(summary);
   order->work = *std::move(work);
+  CountOrdersUnderWay();
   changed_.notify_all();
   return absl::OkStatus();
 }
@@ -222,11 +225,10 @@ void ShopFloor::Forget(const std::string& order_name) {
   if (order != orders_.end() && IsFinal(order->second.work.state())) orders_.erase(order);
 }
 
-int ShopFloor::OrdersUnderWay() const {
-  std::lock_guard lock(mutex_);
+void ShopFloor::CountOrdersUnderWay() {
   int count = 0;
   for (const auto& [name, order] : orders_) count += IsFinal(order.work.state()) ? 0 : 1;
-  return count;
+  orders_under_way_ = count;
 }
 
 }  // namespace mortise::fabplanner

@@ -8,8 +8,12 @@
 //
 // Cuts are written by the shop floor alone; an order's state also by the transactions of
 // HoldWorkOrder and ResumeWorkOrder, after whose commit Refresh or Resumed is called.
+//
+// The shop floor waits for the store while it holds its own mutex. Whoever is within a transaction
+// must therefore call none of its methods but OrdersUnderWay, or both wait for ever.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -94,8 +98,8 @@ class ShopFloor {
   // Lets go of an order that has ended; what its bridges still report finds it in the store.
   void Forget(const std::string& order_name);
 
-  // Orders that have not ended.
-  int OrdersUnderWay() const;
+  // Orders taken up that have not ended. Waits for nothing, so a transaction may ask.
+  int OrdersUnderWay() const { return orders_under_way_; }
 
   // Returns the bridges that were ever attached, by name.
   std::vector<v1::ListBridgesResponse::Bridge> Bridges() const;
@@ -122,6 +126,7 @@ class ShopFloor {
   absl::StatusOr<Order*> FindOrder(const std::string& order_name);
   absl::Status Commit(Order* order, const Change& change, const Also& also = nullptr);
   absl::Status TakeOver(const std::string& order_name, bool resumed);
+  void CountOrdersUnderWay();
   absl::Status GiveOutAll();
   std::vector<MachineAddress> AttachedMachines() const;
   std::vector<v1::HeldMachine> HeldMachinesOf(const Order& order) const;
@@ -136,6 +141,7 @@ class ShopFloor {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::string, Order> orders_;    // by name; guarded by mutex_
+  std::atomic<int> orders_under_way_ = 0;  // of orders_; written under mutex_
   std::map<std::string, Bridge> bridges_;  // by name; guarded by mutex_
   int64_t last_attachment_ = 0;            // guarded by mutex_
 };

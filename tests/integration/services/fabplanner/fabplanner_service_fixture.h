@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -32,7 +33,7 @@ class FabPlannerServiceTest : public ::testing::Test {
   }
 
   static std::string NewRequestId() {
-    static int count = 0;
+    static std::atomic<int> count = 0;  // several threads of a test may ask
     return "request-" + std::to_string(++count);
   }
 

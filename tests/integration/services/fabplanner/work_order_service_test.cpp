@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "tests/integration/services/fabplanner/fabplanner_service_fixture.h"
 
@@ -46,6 +49,38 @@ TEST_F(FabPlannerServiceTest, AWorkOrderRunsToItsEnd) {
   EXPECT_EQ(bridges.bridges(0).reports_stored(), kTableCuts);
   bridge.Disconnect();
   ExpectEachCutOnce(bridge);
+}
+
+TEST_F(FabPlannerServiceTest, OrdersReleasedHeldAndResumedAtOnceNeverWaitForEachOther) {
+  constexpr int kClients = 4;
+  constexpr int kOrdersEach = 7;  // together fewer than may be under way
+  const v1::Plan plan = PlanTable();
+  FakeBridge bridge("north");
+  bridge.Connect(process_.address(), {.cuts_before_silence = 1});
+  std::vector<std::thread> clients;
+  for (int client = 0; client < kClients; ++client) {
+    clients.emplace_back([&] {
+      for (int i = 0; i < kOrdersEach; ++i) {
+        const std::string order = Release(plan).subject();
+        v1::HoldWorkOrderRequest hold;
+        hold.set_request_id(NewRequestId());
+        hold.set_name(order);
+        v1::ResumeWorkOrderRequest resume;
+        resume.set_request_id(NewRequestId());
+        resume.set_name(order);
+        v1::WorkOrder answer;
+        EXPECT_TRUE(Planner()->HoldWorkOrder(Context().get(), hold, &answer).ok());
+        EXPECT_TRUE(Planner()->ResumeWorkOrder(Context().get(), resume, &answer).ok());
+      }
+    });
+  }
+  for (std::thread& client : clients) client.join();
+  v1::ListWorkOrdersRequest list;
+  list.set_page_size(100);
+  v1::ListWorkOrdersResponse orders;
+  ASSERT_TRUE(Planner()->ListWorkOrders(Context().get(), list, &orders).ok());
+  EXPECT_EQ(orders.work_orders_size(), kClients * kOrdersEach);
+  bridge.Disconnect();
 }
 
 TEST_F(FabPlannerServiceTest, KillsInTheMiddleNeitherLoseNorRepeatACut) {
