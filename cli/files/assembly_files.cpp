@@ -280,7 +280,7 @@ absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (IsDrawn(files[i])) continue;
     absl::StatusOr<v1::Assembly> text = ReadMessage<v1::Assembly>(files[i]);
-    faults = Together(faults, text.status());
+    faults = CombineViolations(faults, text.status());
     if (text.ok()) texts[i] = *std::move(text);
   }
   MORTISE_RETURN_IF_ERROR(faults);

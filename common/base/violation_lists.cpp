@@ -16,7 +16,7 @@ std::vector<FieldViolation> AllViolationsOf(const absl::Status& status) {
   return {{field, message}};
 }
 
-absl::Status Together(const absl::Status& first, const absl::Status& second) {
+absl::Status CombineViolations(const absl::Status& first, const absl::Status& second) {
   if (first.ok()) return second;
   if (second.ok() || !absl::IsInvalidArgument(first)) return first;
   if (!absl::IsInvalidArgument(second)) return second;

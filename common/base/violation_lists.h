@@ -14,6 +14,6 @@ std::vector<FieldViolation> AllViolationsOf(const absl::Status& status);
 
 // Everything that is wrong by either. A failure that is no INVALID_ARGUMENT stands alone, the first
 // before the second. OK if both are.
-absl::Status Together(const absl::Status& first, const absl::Status& second);
+absl::Status CombineViolations(const absl::Status& first, const absl::Status& second);
 
 }  // namespace mortise

@@ -100,17 +100,19 @@ absl::StatusOr<v1::ListOperationsResponse> ListOperations(const HostedOperations
   const auto wanted = resources::ResourceFilter::Of(asked);
   auto states = StatesFrom(asked.states());
   MORTISE_RETURN_IF_ERROR(
-      Together(Together(Together(query.status(), states.status()), CheckKind(asked.kind())),
-               Together(CheckSubject(asked.subject()), wanted.status())));
+      CombineViolations(CombineViolations(CombineViolations(query.status(), states.status()),
+                                          CheckKind(asked.kind())),
+                        CombineViolations(CheckSubject(asked.subject()), wanted.status())));
   v1::ListOperationsResponse response;
   if (!asked.service().empty() && asked.service() != host.dispatcher->options().service) {
     return response;
   }
-  const jobs::OperationFilter filter{
-      .states = *std::move(states),
-      .kind = asked.kind(),
-      .subject = asked.subject(),
-      .takes = [&](const jobs::Operation& operation) { return wanted->Takes(ToProto(operation)); }};
+  const jobs::OperationFilter filter{.states = *std::move(states),
+                                     .kind = asked.kind(),
+                                     .subject = asked.subject(),
+                                     .takes = [&](const jobs::Operation& operation) {
+                                       return wanted->Matches(ToProto(operation));
+                                     }};
   const auto begin = [&]() -> jobs::Operations::Visitor {
     response.Clear();
     return [&, room = resources::PageRoom(query->size)](const jobs::Operation& operation) mutable {

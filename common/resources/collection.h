@@ -50,7 +50,7 @@ Response ToResponse(Page<Message> page,
 // methods that tell what is wrong with other fields together with it.
 template <typename Request>
 absl::Status CheckListRequest(const Request& request) {
-  return Together(ReadPageQuery(request).status(), ResourceFilter::Of(request).status());
+  return CombineViolations(ReadPageQuery(request).status(), ResourceFilter::Of(request).status());
 }
 
 template <typename Message>
@@ -83,11 +83,11 @@ struct Collection {
                                      const Takes& takes, const Shown& shown) const {
     const absl::StatusOr<ResourceFilter> filter = ResourceFilter::Of(request);
     const absl::StatusOr<PageQuery> query = ReadPageQuery(request);
-    MORTISE_RETURN_IF_ERROR(Together(query.status(), filter.status()));
+    MORTISE_RETURN_IF_ERROR(CombineViolations(query.status(), filter.status()));
     const auto entry_of =
         [&](const store::Record& record) -> absl::StatusOr<std::optional<Message>> {
       MORTISE_ASSIGN_OR_RETURN(Message message, ParseRecord<Message>(kind, record));
-      if (!filter->Takes(message) || !takes(message)) return std::nullopt;
+      if (!filter->Matches(message) || !takes(message)) return std::nullopt;
       return shown(std::move(message));
     };
     return ReadFrom<Page<Message>>(store, [&](store::ReadTransaction& transaction) {
@@ -111,8 +111,9 @@ struct Collection {
                                      const google::protobuf::FieldMask& mask,
                                      const std::string& field, const Author& author) const {
     const std::string name_field = absl::StrCat(field, ".name");
-    MORTISE_RETURN_IF_ERROR(Together(
-        Together(ParseResourceName(changes.name(), names, name_field).status(), CheckTagMask(mask)),
+    MORTISE_RETURN_IF_ERROR(CombineViolations(
+        CombineViolations(ParseResourceName(changes.name(), names, name_field).status(),
+                          CheckTagMask(mask)),
         UnderField(field, ValidateTags(changes))));
     MORTISE_ASSIGN_OR_RETURN(Message present, Get(transaction, changes.name(), name_field));
     resources::UpdateTags(changes, mask, &present);

@@ -55,8 +55,8 @@ absl::StatusOr<ResourceFilter> ResourceFilter::Create(const v1::ResourceFilter& 
   return ResourceFilter(filter);
 }
 
-bool ResourceFilter::Takes(const ExternalIds& external_ids, const Labels& labels,
-                           const std::string& creator, const Timestamp* created) const {
+bool ResourceFilter::Matches(const ExternalIds& external_ids, const Labels& labels,
+                             const std::string& creator, const Timestamp* created) const {
   const std::string& id = filter_.external_id();
   return (id.empty() ||
           std::find(external_ids.begin(), external_ids.end(), id) != external_ids.end()) &&

@@ -24,16 +24,16 @@ class ResourceFilter {
   // Whether a resource meets every part of the filter. `Message` is that of any resource. A
   // resource without a time of creation meets no filter by time.
   template <typename Message>
-  bool Takes(const Message& resource) const {
-    return Takes(resource.external_ids(), resource.labels(), resource.creator(),
-                 resource.has_create_time() ? &resource.create_time() : nullptr);
+  bool Matches(const Message& resource) const {
+    return Matches(resource.external_ids(), resource.labels(), resource.creator(),
+                   resource.has_create_time() ? &resource.create_time() : nullptr);
   }
 
  private:
   explicit ResourceFilter(const v1::ResourceFilter& filter) : filter_(filter) {}
 
-  bool Takes(const ExternalIds& external_ids, const Labels& labels, const std::string& creator,
-             const google::protobuf::Timestamp* created) const;
+  bool Matches(const ExternalIds& external_ids, const Labels& labels, const std::string& creator,
+               const google::protobuf::Timestamp* created) const;
   bool TakesLabels(const Labels& labels) const;
   bool TakesTime(const google::protobuf::Timestamp* created) const;
 

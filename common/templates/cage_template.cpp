@@ -86,7 +86,7 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeCageTemplate(
       IdentityOf(head, definition.name, definition.title, definition.material);
   absl::StatusOr<parametric::CageModel> model =
       parametric::CageModel::Create(std::move(definition));
-  MORTISE_RETURN_IF_ERROR(Together(identity.status(), model.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(identity.status(), model.status()));
   return std::make_shared<const CagedMesh>(std::move(head), *std::move(model),
                                            *std::move(identity));
 }

@@ -81,7 +81,7 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeFeatureTemplate(TemplateHead
   absl::StatusOr<SolidIdentity> identity =
       IdentityOf(head, definition.name, definition.title, definition.material);
   absl::StatusOr<cad::FeatureModel> model = cad::FeatureModel::Create(std::move(definition));
-  MORTISE_RETURN_IF_ERROR(Together(identity.status(), model.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(identity.status(), model.status()));
   return std::make_shared<const FeatureTemplate>(std::move(head), *std::move(model),
                                                  *std::move(identity));
 }

@@ -386,15 +386,16 @@ absl::StatusOr<std::shared_ptr<const Template>> Compile(const v1::TemplateBundle
   return CompileWith(bundle, {parametrize, [] { return false; }}, nullptr);
 }
 
-absl::Status Complete(v1::TemplateBundle& bundle, Trial trial,
-                      const std::function<bool()>& is_given_up, const Parametrize& parametrize) {
+absl::Status FillAndCheck(v1::TemplateBundle& bundle, Trial trial,
+                          const std::function<bool()>& is_given_up,
+                          const Parametrize& parametrize) {
   const v1::Template& message = bundle.template_();
   const absl::Status completed = message.kind_case() == v1::Template::KIND_NOT_SET
                                      ? CompleteParts(bundle)
                                      : CompleteKind(bundle, trial, {parametrize, is_given_up});
-  MORTISE_RETURN_IF_ERROR(Together(completed, KnowsParameters(message, completed)
-                                                  ? CheckCustomMetrics(message)
-                                                  : absl::OkStatus()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(completed, KnowsParameters(message, completed)
+                                                           ? CheckCustomMetrics(message)
+                                                           : absl::OkStatus()));
   bundle.mutable_template_()->set_digest(parametric::BundleDigest(bundle));
   return absl::OkStatus();
 }

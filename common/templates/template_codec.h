@@ -40,7 +40,7 @@ enum class Trial {
 // handles of an assembly where there are none, the digest), and checks all of it. The bundle has
 // the items, materials and assembly that it uses. INVALID_ARGUMENT with every finding; fields as
 // Compile. CANCELLED as soon as `is_given_up`, which is asked before each design that is tried.
-absl::Status Complete(
+absl::Status FillAndCheck(
     v1::TemplateBundle& bundle, Trial trial,
     const std::function<bool()>& is_given_up = [] { return false; },
     const Parametrize& parametrize = parametric::Parametrize);

@@ -79,9 +79,10 @@ void RefreshAfter(const Webhooks& webhooks, store::Transaction& transaction,
 absl::StatusOr<v1::Webhook> DraftWebhook(const Webhooks& webhooks, const rpc::Call& call,
                                          const v1::CreateWebhookRequest& asked) {
   const absl::StatusOr<WebhookUrl> url = ParseWebhookUrl(asked.url());
-  MORTISE_RETURN_IF_ERROR(Together(
-      Together(url.status(), CheckStreams(webhooks, asked.streams())),
-      Together(rpc::CheckTypePrefixes(asked.type_prefixes()), resources::ValidateTags(asked))));
+  MORTISE_RETURN_IF_ERROR(
+      CombineViolations(CombineViolations(url.status(), CheckStreams(webhooks, asked.streams())),
+                        CombineViolations(rpc::CheckTypePrefixes(asked.type_prefixes()),
+                                          resources::ValidateTags(asked))));
   MORTISE_RETURN_IF_ERROR(CheckHost(webhooks, *url));
   v1::Webhook webhook;
   webhook.set_name("webhooks/" + NewIdentifier());

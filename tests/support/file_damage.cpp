@@ -23,7 +23,7 @@ std::vector<std::string> LinesOf(const std::string& file) {
   return lines;
 }
 
-std::string Together(const std::vector<std::string>& lines) {
+std::string JoinLines(const std::vector<std::string>& lines) {
   std::string file;
   for (const std::string& line : lines) file += line;
   return file;
@@ -44,7 +44,7 @@ std::string WithDamagedLines(const std::string& file, Damage damage, std::mt1993
     const std::size_t count = damage == Damage::kLostLine ? 1 : 1 + Below(kMostLines, random);
     lines.erase(at(first), at(std::min(first + count, lines.size())));
   }
-  return Together(lines);
+  return JoinLines(lines);
 }
 
 std::string WithDamagedBytes(std::string file, Damage damage, std::mt19937& random) {

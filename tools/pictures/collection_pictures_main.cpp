@@ -86,7 +86,8 @@ absl::StatusOr<std::shared_ptr<const templates::Template>> Compiled(
     if (message.name() == drawn) *bundle.mutable_assembly() = message;
   }
   if (!drawn.empty() && !bundle.has_assembly()) return ResourceNotFound(drawn);
-  MORTISE_RETURN_IF_ERROR(UnderField(id, templates::Complete(bundle, templates::Trial::kDefaults)));
+  MORTISE_RETURN_IF_ERROR(
+      UnderField(id, templates::FillAndCheck(bundle, templates::Trial::kDefaults)));
   return templates::Compile(bundle);
 }
 

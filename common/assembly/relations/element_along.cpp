@@ -113,7 +113,7 @@ DrawnPlace ElementAlong::BoxFace(int element, bool upper) const {
   return {(upper ? box.maximum : box.minimum)[Index()], {"", axis_, upper ? 0.5 : -0.5, false}};
 }
 
-LinearForm ElementAlong::Beside(int element, const DrawnPlace& place, double at) const {
+LinearForm ElementAlong::AtDrawnDistance(int element, const DrawnPlace& place, double at) const {
   LinearForm form = PositionOf(elements_, element, place.plane);
   form.constant += at - place.at;
   return form;

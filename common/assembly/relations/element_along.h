@@ -72,7 +72,7 @@ class ElementAlong {
   DrawnPlace BoxFace(int element, bool upper) const;
   // Returns where `at`, m, goes if it keeps the distance that it has as drawn from a place of an
   // element.
-  LinearForm Beside(int element, const DrawnPlace& place, double at) const;
+  LinearForm AtDrawnDistance(int element, const DrawnPlace& place, double at) const;
 
  private:
   int Index() const { return static_cast<int>(axis_); }

@@ -95,7 +95,7 @@ class LevelHolder {
         for (const double fraction : along_.dividing()) {
           const double at = along_.PlaceOf(fraction);
           if (std::abs(at - face.at) > along_.NearTo(other) || IsInSpan(at)) continue;
-          Add(at, along_.Beside(other, face, at));
+          Add(at, along_.AtDrawnDistance(other, face, at));
           if (ends_.insert(fraction).second && !enters) bottoms_.emplace_back(fraction, other);
         }
       }
@@ -117,7 +117,7 @@ class LevelHolder {
             std::abs(bottom - begin.at) > kDeepestAlone * along_.size()) {
           continue;
         }
-        Add(bottom, along_.Beside(along_.index(), begin, bottom));
+        Add(bottom, along_.AtDrawnDistance(along_.index(), begin, bottom));
         ends_.insert(*fraction);
       }
     }

@@ -99,8 +99,8 @@ class FitSpanSearch {
 
   void GoBy(int other, const DrawnPlace& low, const DrawnPlace& high, FitSpan& span) const {
     span.by = other;
-    span.low_place = along_.Beside(other, low, span.low);
-    span.high_place = along_.Beside(other, high, span.high);
+    span.low_place = along_.AtDrawnDistance(other, low, span.low);
+    span.high_place = along_.AtDrawnDistance(other, high, span.high);
   }
 
   std::vector<FitSpan> Joined() {

@@ -45,7 +45,7 @@ absl::StatusOr<std::string> FindGmsh() {
 
 // ---- What Gmsh is told --------------------------------------------------------------------------
 
-TopoDS_Compound Together(const std::vector<TopoDS_Face>& faces) {
+TopoDS_Compound CompoundOf(const std::vector<TopoDS_Face>& faces) {
   TopoDS_Compound compound;
   BRep_Builder builder;
   builder.MakeCompound(compound);
@@ -102,7 +102,7 @@ absl::StatusOr<std::string> RunGmsh(const std::string& program,
   const std::filesystem::path script = folder.path() / "faces.geo", mesh = folder.path() / "mesh",
                               log = folder.path() / "log";
   MORTISE_RETURN_IF_ERROR(WriteFile(script, ScriptOf(lengths)));
-  if (!BRepTools::Write(Together(faces), (folder.path() / "faces.brep").c_str(), Standard_False,
+  if (!BRepTools::Write(CompoundOf(faces), (folder.path() / "faces.brep").c_str(), Standard_False,
                         Standard_False, TopTools_FormatVersion_CURRENT)) {
     return GmshFailure("the faces cannot be written");
   }

@@ -23,7 +23,7 @@ absl::Status CheckPlane(const ModelState& state, const std::string& face, const 
 
 }  // namespace
 
-bool DeferredCombination::Takes(Operation operation, std::size_t body) const {
+bool DeferredCombination::Accepts(Operation operation, std::size_t body) const {
   return operation == operation_ && body == body_ && operation != Operation::kIntersect;
 }
 

@@ -20,7 +20,7 @@ class DeferredCombination {
   DeferredCombination(Operation operation, std::size_t body) : operation_(operation), body_(body) {}
 
   // Whether `operation` on the body of index `body` can be done together with this one.
-  bool Takes(Operation operation, std::size_t body) const;
+  bool Accepts(Operation operation, std::size_t body) const;
 
   void Add(const std::string& feature, const std::vector<NamedBody>& solids);
 

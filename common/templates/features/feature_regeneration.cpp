@@ -190,7 +190,7 @@ class Regeneration {
   absl::Status UseOn(Operation operation, const std::string& body, const std::string& field,
                      const std::vector<NamedBody>& solids) {
     MORTISE_ASSIGN_OR_RETURN(const std::size_t index, FindBody(body, field));
-    if (!deferred_ || !deferred_->Takes(operation, index)) {
+    if (!deferred_ || !deferred_->Accepts(operation, index)) {
       MORTISE_RETURN_IF_ERROR(Flush());
       deferred_.emplace(operation, index);
     }

@@ -41,18 +41,19 @@ absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transa
                                                   const v1::ListAssembliesRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   const auto filter = resources::ResourceFilter::Of(request);
-  MORTISE_RETURN_IF_ERROR(Together(
-      Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      Together(filter.status(), resources::ReadPageQuery(request).status())));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(CheckFilterName(transaction, kItems, request.item(), "item"),
+                        words.status()),
+      CombineViolations(filter.status(), resources::ReadPageQuery(request).status())));
   return ReadPage<v1::Assembly>(
       transaction, kAssemblies, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Assembly>> {
         MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle,
                                  BundleOf<v1::AssemblyBundle>(kKind, record));
         v1::Assembly& summary = *bundle.mutable_assembly();
-        if (!filter->Takes(summary)) return std::nullopt;
+        if (!filter->Matches(summary)) return std::nullopt;
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
-        if (!words->Takes(summary.name(), {summary.title(), summary.description()})) {
+        if (!words->Matches(summary.name(), {summary.title(), summary.description()})) {
           return std::nullopt;
         }
         summary.clear_parts();

@@ -10,21 +10,21 @@ absl::StatusOr<ItemFilter> ItemFilter::Create(store::ReadTransaction& transactio
                                               const v1::ListItemsRequest& request) {
   absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   absl::StatusOr<resources::ResourceFilter> filter = resources::ResourceFilter::Of(request);
-  MORTISE_RETURN_IF_ERROR(
-      Together(Together(CheckFilterName(transaction, kMaterials, request.material(), "material"),
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(CheckFilterName(transaction, kMaterials, request.material(), "material"),
                         words.status()),
-               filter.status()));
+      filter.status()));
   ItemFilter items(*std::move(words), *std::move(filter));
   items.kind_ = request.kind();
   items.material_ = request.material();
   return items;
 }
 
-bool ItemFilter::Takes(const v1::Item& item) const {
+bool ItemFilter::Matches(const v1::Item& item) const {
   if (kind_ != v1::ITEM_KIND_UNSPECIFIED && item.kind() != kind_) return false;
   if (!material_.empty() && item.material() != material_) return false;
-  return filter_.Takes(item) &&
-         words_.Takes(item.name(), {item.title(), item.standard(), item.designation()});
+  return filter_.Matches(item) &&
+         words_.Matches(item.name(), {item.title(), item.standard(), item.designation()});
 }
 
 }  // namespace mortise::catalog

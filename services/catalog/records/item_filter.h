@@ -20,7 +20,7 @@ class ItemFilter {
   static absl::StatusOr<ItemFilter> Create(store::ReadTransaction& transaction,
                                            const v1::ListItemsRequest& request);
 
-  bool Takes(const v1::Item& item) const;
+  bool Matches(const v1::Item& item) const;
 
  private:
   ItemFilter(WordFilter words, resources::ResourceFilter filter)

@@ -43,12 +43,13 @@ absl::StatusOr<v1::Item> GetItem(store::ReadTransaction& transaction, const std:
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request) {
   const absl::StatusOr<ItemFilter> filter = ItemFilter::Create(transaction, request);
-  MORTISE_RETURN_IF_ERROR(Together(filter.status(), resources::ReadPageQuery(request).status()));
+  MORTISE_RETURN_IF_ERROR(
+      CombineViolations(filter.status(), resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Item>(
       transaction, kItems, request,
       [&filter](const store::Record& record) -> absl::StatusOr<std::optional<v1::Item>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Item item, RowOf<v1::Item>(kRows, record));
-        if (!filter->Takes(item)) return std::nullopt;
+        if (!filter->Matches(item)) return std::nullopt;
         return item;
       });
 }

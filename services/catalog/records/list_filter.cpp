@@ -23,7 +23,8 @@ absl::StatusOr<WordFilter> WordFilter::Create(const std::string& text) {
   return filter;
 }
 
-bool WordFilter::Takes(std::string_view name, std::initializer_list<std::string_view> texts) const {
+bool WordFilter::Matches(std::string_view name,
+                         std::initializer_list<std::string_view> texts) const {
   if (words_.empty()) return true;
   std::string all(name.substr(name.find('/') + 1));
   for (const std::string_view text : texts) all.append("\n").append(text);

@@ -19,7 +19,7 @@ class WordFilter {
   static absl::StatusOr<WordFilter> Create(const std::string& text);
 
   // `name` is a resource name; only its id counts, as the collection is the same for all.
-  bool Takes(std::string_view name, std::initializer_list<std::string_view> texts) const;
+  bool Matches(std::string_view name, std::initializer_list<std::string_view> texts) const;
 
  private:
   std::vector<std::string> words_;  // in lower case

@@ -25,7 +25,7 @@ absl::Status CheckWhole(store::ReadTransaction&, const v1::Material& material) {
 }
 
 // Whether the material gives way as is asked for.
-bool Gives(const v1::Material& material, v1::ListMaterialsRequest::Elasticity elasticity) {
+bool HasElasticity(const v1::Material& material, v1::ListMaterialsRequest::Elasticity elasticity) {
   switch (elasticity) {
     case v1::ListMaterialsRequest::ISOTROPIC:
       return !material.has_orthotropic();
@@ -59,24 +59,24 @@ absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transac
                                                  const v1::ListMaterialsRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   const auto filter = resources::ResourceFilter::Of(request);
-  MORTISE_RETURN_IF_ERROR(Together(Together(words.status(), filter.status()),
-                                   resources::ReadPageQuery(request).status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(CombineViolations(words.status(), filter.status()),
+                                            resources::ReadPageQuery(request).status()));
   return ReadPage<v1::Material>(
       transaction, kMaterials, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Material>> {
         MORTISE_ASSIGN_OR_RETURN(v1::Material material, RowOf<v1::Material>(kRows, record));
-        if (!Gives(material, request.elasticity()) || !filter->Takes(material)) {
+        if (!HasElasticity(material, request.elasticity()) || !filter->Matches(material)) {
           return std::nullopt;
         }
-        if (!words->Takes(material.name(), {material.title()})) return std::nullopt;
+        if (!words->Matches(material.name(), {material.title()})) return std::nullopt;
         return material;
       });
 }
 
 absl::Status CheckMaterial(const v1::Material& material) {
   MORTISE_ASSIGN_OR_RETURN(const parametric::Material converted, parametric::FromProto(material));
-  return Together(parametric::ToStatus(parametric::ValidateMaterial(converted)),
-                  resources::ValidateTags(material));
+  return CombineViolations(parametric::ToStatus(parametric::ValidateMaterial(converted)),
+                           resources::ValidateTags(material));
 }
 
 absl::StatusOr<v1::Material> CreateMaterial(store::Transaction& transaction,

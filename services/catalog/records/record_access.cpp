@@ -13,9 +13,9 @@ namespace mortise::catalog {
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision) {
   const absl::StatusOr<std::string> id = ParseResourceName(name, kind, "name");
-  MORTISE_RETURN_IF_ERROR(Together(id.status(), revision < 0
-                                                    ? InvalidField("revision", "must be at least 0")
-                                                    : absl::OkStatus()));
+  MORTISE_RETURN_IF_ERROR(
+      CombineViolations(id.status(), revision < 0 ? InvalidField("revision", "must be at least 0")
+                                                  : absl::OkStatus()));
   absl::StatusOr<store::Record> record =
       revision == 0 ? transaction.Get(kind, *id) : transaction.GetRevision(kind, *id, revision);
   if (absl::IsNotFound(record.status()) || (record.ok() && IsDeleted(*record))) {
@@ -47,7 +47,7 @@ absl::StatusOr<int64_t> PutNew(store::Transaction& transaction, const char* kind
 absl::Status WithRevisionFault(store::Store& store, const char* kind, const std::string& name,
                                int64_t expected, const absl::Status& faults) {
   if (expected < 0) {
-    return Together(InvalidField("expected_revision", "must be at least 0"), faults);
+    return CombineViolations(InvalidField("expected_revision", "must be at least 0"), faults);
   }
   if (!absl::IsInvalidArgument(faults)) return faults;
   int64_t latest = 0;
@@ -59,7 +59,7 @@ absl::Status WithRevisionFault(store::Store& store, const char* kind, const std:
   });
   // Of a name that is none there are no revisions.
   if (!found.ok() || latest == expected) return faults;
-  return Together(
+  return CombineViolations(
       InvalidField("expected_revision", absl::StrCat("the latest revision is ", latest)), faults);
 }
 

@@ -73,18 +73,19 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
                                                  const v1::ListTemplatesRequest& request) {
   const absl::StatusOr<WordFilter> words = WordFilter::Create(request.text());
   const auto filter = resources::ResourceFilter::Of(request);
-  MORTISE_RETURN_IF_ERROR(Together(
-      Together(CheckFilterName(transaction, kItems, request.item(), "item"), words.status()),
-      Together(filter.status(), resources::ReadPageQuery(request).status())));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(CheckFilterName(transaction, kItems, request.item(), "item"),
+                        words.status()),
+      CombineViolations(filter.status(), resources::ReadPageQuery(request).status())));
   return ReadPage<v1::Template>(
       transaction, kTemplates, request,
       [&](const store::Record& record) -> absl::StatusOr<std::optional<v1::Template>> {
         MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle,
                                  BundleOf<v1::TemplateBundle>(kKind, record));
         const v1::Template& message = bundle.template_();
-        if (!IsOfKind(message, request.kind()) || !filter->Takes(message)) return std::nullopt;
+        if (!IsOfKind(message, request.kind()) || !filter->Matches(message)) return std::nullopt;
         if (!request.item().empty() && !UsesItem(bundle, request.item())) return std::nullopt;
-        if (!words->Takes(message.name(), {message.title(), message.description()})) {
+        if (!words->Matches(message.name(), {message.title(), message.description()})) {
           return std::nullopt;
         }
         return templates::SummaryOf(std::move(*bundle.mutable_template_()));

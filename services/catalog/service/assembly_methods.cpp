@@ -63,7 +63,8 @@ absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Item> items,
                            ItemsOf(catalog, annotations));
   if (absl::IsInvalidArgument(read.status())) {
-    return Together(read.status(), parametric::ToStatus(CheckWithoutDrawing(annotations, items)));
+    return CombineViolations(read.status(),
+                             parametric::ToStatus(CheckWithoutDrawing(annotations, items)));
   }
   MORTISE_RETURN_IF_ERROR(read.status());
   const cad::StepAssembly& drawing = **read;
@@ -83,8 +84,9 @@ template <typename Request>
 absl::StatusOr<DrawnBundle> Checked(const Catalog& catalog, const Request& asked,
                                     absl::StatusOr<DrawnBundle> prepared, const std::string& file,
                                     const absl::Status& others = absl::OkStatus()) {
-  const absl::Status faults = Together(
-      Together(prepared.ok() ? absl::OkStatus() : SaidOf(prepared.status(), "step", file), others),
+  const absl::Status faults = CombineViolations(
+      CombineViolations(prepared.ok() ? absl::OkStatus() : SaidOf(prepared.status(), "step", file),
+                        others),
       UnderField("annotations", resources::ValidateTags(asked.annotations())));
   MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, asked.annotations().name(),
                                             asked.expected_revision(), faults));
@@ -109,15 +111,15 @@ MeshDrawingOptions OptionsOf(const v1::ImportAssemblyMeshRequest& asked, absl::S
   options.up = mesh::UpAxisOf(asked.up());
   if (!asked.length_unit().empty()) {
     const absl::StatusOr<double> metres = mesh::MetresOf(asked.length_unit(), "length_unit");
-    faults = Together(faults, metres.status());
+    faults = CombineViolations(faults, metres.status());
     if (metres.ok()) options.unit = *metres;
   }
-  faults = Together(faults, mesh::CheckFileName(asked.file_name()));
+  faults = CombineViolations(faults, mesh::CheckFileName(asked.file_name()));
   const bool is_count =
       asked.most_parts() >= 0 && asked.most_parts() <= static_cast<std::int64_t>(kMaxMeshParts);
   if (!is_count) {
-    faults =
-        Together(faults, InvalidField("most_parts", absl::StrCat("must be 1 to ", kMaxMeshParts)));
+    faults = CombineViolations(
+        faults, InvalidField("most_parts", absl::StrCat("must be 1 to ", kMaxMeshParts)));
   } else if (asked.most_parts() > 0) {
     options.most_parts = static_cast<std::size_t>(asked.most_parts());
   }
@@ -154,8 +156,8 @@ absl::StatusOr<v1::AssemblyBundle> PrepareAssembly(Catalog& catalog, const rpc::
                                                    const v1::ImportAssemblyRequest& asked) {
   const v1::Assembly& assembly = asked.assembly();
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(catalog, assembly));
-  const absl::Status faults =
-      Together(Parametrize(catalog, call, bundle).status(), resources::ValidateTags(assembly));
+  const absl::Status faults = CombineViolations(Parametrize(catalog, call, bundle).status(),
+                                                resources::ValidateTags(assembly));
   MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, assembly.name(),
                                             asked.expected_revision(),
                                             UnderField("assembly", faults)));

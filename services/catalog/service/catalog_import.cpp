@@ -197,7 +197,7 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
     if (!bundle.has_template_()) continue;
     MORTISE_RETURN_IF_ERROR(faults.Add(
         At("templates", i), request.templates(i).name(),
-        templates::Complete(bundle, templates::Trial::kThorough, is_given_up, parametrize)));
+        templates::FillAndCheck(bundle, templates::Trial::kThorough, is_given_up, parametrize)));
   }
   MORTISE_RETURN_IF_ERROR(faults.AsStatus());
   return bundles;

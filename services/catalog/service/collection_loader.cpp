@@ -141,8 +141,8 @@ absl::StatusOr<int64_t> PutTemplate(store::Transaction& transaction, const v1::T
                              GetBundle(transaction, message.name(), 0));
     resources::CopyTags(before.template_(), bundle.mutable_template_());
   }
-  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults, IsNeverGivenUp,
-                                              parametrized.ForTemplates()));
+  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults,
+                                                  IsNeverGivenUp, parametrized.ForTemplates()));
   MORTISE_ASSIGN_OR_RETURN(const v1::Template stored,
                            ImportBundle(transaction, std::move(bundle), present, Shipper()));
   return stored.revision();

@@ -61,7 +61,7 @@ absl::Status CheckFile(const v1::ExportDesignRequest& asked) {
 absl::StatusOr<Choice> ChooseFor(Catalog& catalog, const v1::ExportDesignRequest& asked) {
   absl::StatusOr<Choice> choice =
       Choose(catalog, asked.name(), asked.revision(), asked.parameters());
-  MORTISE_RETURN_IF_ERROR(Together(CheckFile(asked), choice.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(CheckFile(asked), choice.status()));
   return choice;
 }
 

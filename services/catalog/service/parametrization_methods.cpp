@@ -78,10 +78,10 @@ absl::StatusOr<Chosen> ChooseFor(Catalog& catalog, const rpc::Call& call,
   const absl::Status count = CheckDemandCount(asked.demands());
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
-  if (!found.ok()) return Together(count, found.status());
+  if (!found.ok()) return CombineViolations(count, found.status());
   absl::StatusOr<Eigen::VectorXd> from = RequestParameters(asked.q(), *found->parametrized, "q");
   const absl::Status demands = CheckDemands(*found->parametrized, asked.demands());
-  MORTISE_RETURN_IF_ERROR(Together(count, Together(from.status(), demands)));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(count, CombineViolations(from.status(), demands)));
   return Chosen{*std::move(found), *std::move(from)};
 }
 
@@ -90,10 +90,10 @@ absl::StatusOr<ChosenPoints> ChooseFor(Catalog& catalog, const rpc::Call& call,
   const absl::Status count = CheckCount("points", asked.points_size());
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
-  if (!found.ok()) return Together(count, found.status());
+  if (!found.ok()) return CombineViolations(count, found.status());
   absl::StatusOr<std::vector<Eigen::VectorXd>> points =
       RequestPoints(asked.points(), *found->parametrized);
-  MORTISE_RETURN_IF_ERROR(Together(count, points.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(count, points.status()));
   return ChosenPoints{*std::move(found), *std::move(points)};
 }
 
@@ -102,10 +102,10 @@ absl::StatusOr<Chosen> ChooseFor(Catalog& catalog, const rpc::Call& call,
   const absl::Status format = KindOf(asked.format()).status();
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
-  if (!found.ok()) return Together(format, found.status());
+  if (!found.ok()) return CombineViolations(format, found.status());
   absl::StatusOr<Eigen::VectorXd> q = RequestParameters(asked.q(), *found->parametrized, "q");
   const absl::Status pose = CheckRestPose(found->parametrized->assembly(), asked.rest_pose());
-  MORTISE_RETURN_IF_ERROR(Together(format, Together(q.status(), pose)));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(format, CombineViolations(q.status(), pose)));
   return Chosen{*std::move(found), *std::move(q)};
 }
 
@@ -148,7 +148,7 @@ absl::Status SampleAssembly(Catalog& catalog, const rpc::Call& call,
                             const v1::SampleAssemblyRequest& asked, const AdjustedWriter& writer) {
   absl::StatusOr<ParametrizedAssembly> found =
       FindParametrized(catalog, call, asked.name(), asked.revision());
-  MORTISE_RETURN_IF_ERROR(Together(CheckCount("count", asked.count()), found.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(CheckCount("count", asked.count()), found.status()));
   MORTISE_ASSIGN_OR_RETURN(std::vector<Eigen::VectorXd> samples,
                            found->parametrized->Sample(asked.count(), asked.seed()));
   StreamDesigns(*std::move(found), std::move(samples), "samples", writer);

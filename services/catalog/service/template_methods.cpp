@@ -22,7 +22,7 @@ absl::StatusOr<v1::TemplateBundle> FreezeAndComplete(Catalog& catalog, const rpc
                                *catalog.store, [&](store::ReadTransaction& transaction) {
                                  return Freeze(transaction, message);
                                }));
-  MORTISE_RETURN_IF_ERROR(templates::Complete(
+  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(
       bundle, templates::Trial::kThorough, [&call] { return call.cancelled(); },
       catalog.parametrized.ForTemplates()));
   return bundle;
@@ -61,7 +61,7 @@ absl::StatusOr<v1::TemplateBundle> PrepareTemplate(Catalog& catalog, const rpc::
                                                    const v1::ImportTemplateRequest& asked) {
   const v1::Template& message = asked.template_();
   absl::StatusOr<v1::TemplateBundle> bundle = FreezeAndComplete(catalog, call, message);
-  const absl::Status faults = Together(bundle.status(), resources::ValidateTags(message));
+  const absl::Status faults = CombineViolations(bundle.status(), resources::ValidateTags(message));
   MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kTemplates, message.name(),
                                             asked.expected_revision(),
                                             UnderField("template", faults)));

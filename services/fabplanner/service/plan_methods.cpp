@@ -20,7 +20,7 @@ absl::StatusOr<CheckedPlan> CheckPlan(const FabPlanner& planner, const rpc::Call
   const absl::Status checked = CheckRequest(asked);
   // What is wrong with the parameters is told with the rest, where a template is named.
   const bool names_template = CheckTemplate(asked).ok();
-  MORTISE_RETURN_IF_ERROR(Together(
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
       checked, names_template ? planner.planning->CheckDesign(asked, rpc::ForwardedFrom(call))
                               : absl::OkStatus()));
   return CheckedPlan();
@@ -46,7 +46,7 @@ absl::StatusOr<v1::ListPlansResponse> ListPlans(const FabPlanner& planner, const
   const absl::Status subject =
       asked.subject().empty() ? absl::OkStatus()
                               : ParseResourceName(asked.subject(), "templates", "subject").status();
-  MORTISE_RETURN_IF_ERROR(Together(resources::CheckListRequest(asked), subject));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(resources::CheckListRequest(asked), subject));
   MORTISE_ASSIGN_OR_RETURN(resources::Page<v1::Plan> page,
                            kPlanSummaries.List(*planner.store, asked, [&](const v1::Plan& plan) {
                              return asked.subject().empty() || plan.template_() == asked.subject();

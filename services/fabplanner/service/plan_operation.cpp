@@ -136,17 +136,17 @@ absl::Status CheckTemplate(const v1::CreatePlanRequest& request) {
   const absl::Status name =
       ParseResourceName(request.template_(), "templates", "template").status();
   if (request.template_revision() >= 0) return name;
-  return Together(name,
-                  InvalidField("template_revision", "must be a revision, or 0 for the latest"));
+  return CombineViolations(
+      name, InvalidField("template_revision", "must be a revision, or 0 for the latest"));
 }
 
 absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
   absl::Status status = CheckTemplate(request);
   if (request.has_quantity() && (request.quantity() < 1 || request.quantity() > 1000)) {
-    status = Together(status, InvalidField("quantity", "must be 1 to 1000"));
+    status = CombineViolations(status, InvalidField("quantity", "must be 1 to 1000"));
   }
-  status = Together(status, CheckRules(RulesFrom(request.rules())));
-  return Together(status, resources::ValidateTags(request));
+  status = CombineViolations(status, CheckRules(RulesFrom(request.rules())));
+  return CombineViolations(status, resources::ValidateTags(request));
 }
 
 absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,

@@ -69,10 +69,11 @@ absl::Status CheckSubjectAndStates(const v1::ListWorkOrdersRequest& asked) {
   }
   const absl::Status states = violations.empty() ? absl::OkStatus() : InvalidFields(violations);
   if (asked.subject().empty()) return states;
-  return Together(ParseResourceName(asked.subject(), kPlans.names, "subject").status(), states);
+  return CombineViolations(ParseResourceName(asked.subject(), kPlans.names, "subject").status(),
+                           states);
 }
 
-bool Takes(const v1::ListWorkOrdersRequest& asked, const v1::WorkOrder& order) {
+bool Matches(const v1::ListWorkOrdersRequest& asked, const v1::WorkOrder& order) {
   const auto& states = asked.states();
   return (asked.subject().empty() || order.plan() == asked.subject()) &&
          (states.empty() || std::find(states.begin(), states.end(), order.state()) != states.end());
@@ -116,10 +117,10 @@ absl::StatusOr<v1::ListWorkOrdersResponse> ListWorkOrders(const FabPlanner& plan
                                                           const rpc::Call&,
                                                           const v1::ListWorkOrdersRequest& asked) {
   MORTISE_RETURN_IF_ERROR(
-      Together(resources::CheckListRequest(asked), CheckSubjectAndStates(asked)));
+      CombineViolations(resources::CheckListRequest(asked), CheckSubjectAndStates(asked)));
   MORTISE_ASSIGN_OR_RETURN(resources::Page<v1::WorkOrder> page,
                            kOrders.List(*planner.store, asked, [&](const v1::WorkOrder& order) {
-                             return Takes(asked, order);
+                             return Matches(asked, order);
                            }));
   return resources::ToResponse(std::move(page), &v1::ListWorkOrdersResponse::mutable_work_orders);
 }

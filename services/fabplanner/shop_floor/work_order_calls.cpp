@@ -52,8 +52,9 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
                                              const v1::ReleaseWorkOrderRequest& request,
                                              jobs::Operations& operations,
                                              store::Transaction& transaction) {
-  MORTISE_RETURN_IF_ERROR(Together(ParseResourceName(request.plan(), kPlans.names, "plan").status(),
-                                   resources::ValidateTags(request)));
+  MORTISE_RETURN_IF_ERROR(
+      CombineViolations(ParseResourceName(request.plan(), kPlans.names, "plan").status(),
+                        resources::ValidateTags(request)));
   MORTISE_ASSIGN_OR_RETURN(const v1::Plan plan, kPlans.Get(transaction, request.plan(), "plan"));
   const std::vector<Cut> cuts = CutsFor(CuttingPlanFrom(plan));
   if (cuts.empty()) {

@@ -40,7 +40,7 @@ absl::StatusOr<std::vector<v1::Front>> EarlierFronts(
 absl::StatusOr<SettledDiscovery> SettleDiscovery(const Pareto& pareto, const rpc::Call& call,
                                                  const v1::DiscoverFrontRequest& asked) {
   MORTISE_RETURN_IF_ERROR(
-      Together(CheckSpecification(asked.specification()), resources::ValidateTags(asked)));
+      CombineViolations(CheckSpecification(asked.specification()), resources::ValidateTags(asked)));
   MORTISE_ASSIGN_OR_RETURN(const auto channel, pareto.peers->Channel(kEvaluatorPeer));
   const auto described =
       DescribeDesignSpace(channel, asked.specification(), rpc::ForwardedFrom(call), {});

@@ -47,9 +47,9 @@ absl::StatusOr<v1::Front> GetFront(const Pareto& pareto, const rpc::Call&,
 
 absl::StatusOr<v1::ListFrontsResponse> ListFronts(const Pareto& pareto, const rpc::Call&,
                                                   const v1::ListFrontsRequest& asked) {
-  MORTISE_RETURN_IF_ERROR(
-      Together(Together(resources::ReadPageQuery(asked).status(), CheckSubject(asked.subject())),
-               resources::ResourceFilter::Of(asked).status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(resources::ReadPageQuery(asked).status(), CheckSubject(asked.subject())),
+      resources::ResourceFilter::Of(asked).status()));
   const auto is_of_subject = [&asked](const v1::Front& front) {
     return asked.subject().empty() || front.specification().subject() == asked.subject();
   };

@@ -411,16 +411,17 @@ absl::Status CheckRequest(const v1::BuildIndexRequest& request) {
   if (request.shape_descriptors_size() > descriptors) {
     status = InvalidField("shape_descriptors", absl::StrCat("has more than ", descriptors));
   }
-  status = Together(status, CheckTemplateNames(request.templates()));
+  status = CombineViolations(status, CheckTemplateNames(request.templates()));
   if (request.refresh() && !request.templates().empty()) {
-    status = Together(status, InvalidField("refresh", "is not possible with templates"));
+    status = CombineViolations(status, InvalidField("refresh", "is not possible with templates"));
   }
   if (request.delta() == 0) return status;
   if (!(request.delta() > 0)) {
-    status = Together(status, InvalidField("delta", "must be above 0, or 0 for a default"));
+    status =
+        CombineViolations(status, InvalidField("delta", "must be above 0, or 0 for a default"));
   }
   if (DescriptorsOf(request).size() == 1) return status;
-  return Together(status, InvalidField("delta", "is of one descriptor: name it"));
+  return CombineViolations(status, InvalidField("delta", "is of one descriptor: name it"));
 }
 
 absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,

@@ -38,8 +38,8 @@ absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query, const UploadedMe
   const absl::StatusOr<std::optional<double>> unit = StatedUnit(query);
   const absl::StatusOr<std::string> bytes = BytesOf(query, meshes);
   const absl::Status named = mesh::CheckFileName(query.file_name());
-  MORTISE_RETURN_IF_ERROR(
-      UnderField("mesh", Together(Together(bytes.status(), named), unit.status())));
+  MORTISE_RETURN_IF_ERROR(UnderField(
+      "mesh", CombineViolations(CombineViolations(bytes.status(), named), unit.status())));
   absl::StatusOr<mesh::Scene> read = mesh::ReadScene(*bytes, query.file_name());
   if (absl::IsInvalidArgument(read.status())) return UnderField("mesh", read.status());
   MORTISE_RETURN_IF_ERROR(read.status());

@@ -26,8 +26,8 @@ absl::Status ReadSize(const v1::Vector3& size, const std::string& field, Eigen::
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const auto& [name, value] = axes[axis];
     if (!std::isfinite(value) || value < 0) {
-      status = Together(status,
-                        InvalidField(absl::StrCat(field, ".", name), "must be finite, 0 or more"));
+      status = CombineViolations(
+          status, InvalidField(absl::StrCat(field, ".", name), "must be finite, 0 or more"));
     }
     if (value > 0) (*bounds)[axis] = value;
   }
@@ -42,9 +42,9 @@ absl::Status ReadMaterials(const v1::DesignFilter& filter, DesignFilter* design)
   design->materials.emplace(filter.materials().begin(), filter.materials().end());
   absl::Status status;
   for (int i = 0; i < filter.materials_size(); ++i) {
-    status = Together(status, ParseResourceName(filter.materials(i), "materials",
-                                                absl::StrCat("materials[", i, "]"))
-                                  .status());
+    status = CombineViolations(status, ParseResourceName(filter.materials(i), "materials",
+                                                         absl::StrCat("materials[", i, "]"))
+                                           .status());
   }
   return status;
 }
@@ -63,8 +63,9 @@ absl::Status ReadPrice(const v1::DesignFilter& filter, DesignFilter* design) {
     status = InvalidField("max_price.amount", "must be finite, 0 or more");
   }
   if (!IsCurrency(price.currency())) {
-    status = Together(status, InvalidField("max_price.currency",
-                                           "must be three capital letters, such as \"EUR\""));
+    status = CombineViolations(
+        status,
+        InvalidField("max_price.currency", "must be three capital letters, such as \"EUR\""));
   }
   design->max_price = parametric::Cost{.amount = price.amount(), .currency = price.currency()};
   return status;
@@ -80,16 +81,17 @@ absl::Status ReadItems(const v1::DesignFilter& filter, DesignFilter* design) {
   for (int i = 0; i < filter.items_size(); ++i) {
     const v1::AvailableItem& each = filter.items(i);
     const std::string field = absl::StrCat("items[", i, "]");
-    status = Together(
+    status = CombineViolations(
         status, ParseResourceName(each.item(), "items", absl::StrCat(field, ".item")).status());
     if (each.has_quantity() && (!std::isfinite(each.quantity()) || each.quantity() < 0)) {
-      status = Together(
+      status = CombineViolations(
           status, InvalidField(absl::StrCat(field, ".quantity"), "must be finite, 0 or more"));
     }
     const double quantity =
         each.has_quantity() ? each.quantity() : std::numeric_limits<double>::infinity();
     if (!design->items->emplace(each.item(), quantity).second) {
-      status = Together(status, InvalidField(absl::StrCat(field, ".item"), "is there twice"));
+      status =
+          CombineViolations(status, InvalidField(absl::StrCat(field, ".item"), "is there twice"));
     }
   }
   return status;
@@ -98,13 +100,13 @@ absl::Status ReadItems(const v1::DesignFilter& filter, DesignFilter* design) {
 absl::StatusOr<DesignFilter> ReadDesignFilter(const v1::DesignFilter& filter) {
   DesignFilter design;
   absl::Status status = ReadSize(filter.min_size(), "min_size", &design.min_size);
-  status = Together(status, ReadSize(filter.max_size(), "max_size", &design.max_size));
+  status = CombineViolations(status, ReadSize(filter.max_size(), "max_size", &design.max_size));
   if (status.ok() && (design.min_size.array() > design.max_size.array()).any()) {
     status = InvalidField("max_size", "is below min_size");
   }
-  status = Together(status, ReadMaterials(filter, &design));
-  status = Together(status, ReadPrice(filter, &design));
-  status = Together(status, ReadItems(filter, &design));
+  status = CombineViolations(status, ReadMaterials(filter, &design));
+  status = CombineViolations(status, ReadPrice(filter, &design));
+  status = CombineViolations(status, ReadItems(filter, &design));
   if (!status.ok()) return UnderField("design_filter", status);
   return design;
 }
@@ -120,22 +122,22 @@ absl::StatusOr<SearchFilter> ReadSearchFilter(const v1::SearchShapesRequest& req
   if (request.has_filter()) {
     const absl::StatusOr<resources::ResourceFilter> read = resources::ResourceFilter::Of(request);
     if (read.ok()) filter.resources.emplace(*read);
-    status = Together(status, read.status());
+    status = CombineViolations(status, read.status());
   }
   if (request.categories_size() > kMaxCategories) {
-    status = Together(status,
-                      InvalidField("categories", absl::StrCat("has more than ", kMaxCategories)));
+    status = CombineViolations(
+        status, InvalidField("categories", absl::StrCat("has more than ", kMaxCategories)));
   }
   filter.categories.insert(request.categories().begin(), request.categories().end());
   absl::StatusOr<DesignFilter> design = ReadDesignFilter(request.design_filter());
-  MORTISE_RETURN_IF_ERROR(Together(status, design.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(status, design.status()));
   filter.design = *std::move(design);
   return filter;
 }
 
 bool MayBeFound(const SearchFilter& filter, const v1::ShapeIndex::Family& family) {
   if (filter.templates && !filter.templates->contains(family.template_())) return false;
-  if (filter.resources && !filter.resources->Takes(family)) return false;
+  if (filter.resources && !filter.resources->Matches(family)) return false;
   if (!filter.categories.empty()) {
     const auto category = family.labels().find(kCategoryLabel);
     if (category == family.labels().end() || !filter.categories.contains(category->second)) {

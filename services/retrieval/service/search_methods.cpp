@@ -115,9 +115,9 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
                                                       const v1::SearchShapesRequest& request) {
   const rpc::Origin origin = rpc::ForwardedFrom(call);
   const absl::StatusOr<SearchFilter> filter = ReadSearchFilter(request);
-  const absl::Status checked = Together(CheckSearch(request), filter.status());
+  const absl::Status checked = CombineViolations(CheckSearch(request), filter.status());
   const absl::StatusOr<QueryShape> query = ReadQuery(request, retrieval, origin);
-  MORTISE_RETURN_IF_ERROR(Together(checked, query.status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(checked, query.status()));
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedIndex> index,
                            retrieval.indexes.Get(request.shape_descriptor()));
   MORTISE_ASSIGN_OR_RETURN(IndexQuery wanted, IndexQueryOf(request, *query, *index, *filter));

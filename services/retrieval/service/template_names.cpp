@@ -14,7 +14,7 @@ absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::st
   }
   absl::Status status;
   for (int i = 0; i < templates.size(); ++i) {
-    status = Together(
+    status = CombineViolations(
         status,
         ParseResourceName(templates[i], "templates", absl::StrCat("templates[", i, "]")).status());
   }

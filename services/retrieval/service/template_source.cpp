@@ -33,7 +33,7 @@ absl::Status ReduceTo(const std::string& group, v1::TemplateBundle& bundle) {
   message.clear_boundary_conditions();
   message.clear_reference_temperature();
   message.clear_metric_definitions();
-  return templates::Complete(bundle, templates::Trial::kDefaults);
+  return templates::FillAndCheck(bundle, templates::Trial::kDefaults);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ struct Physics {
   bool modes = false;
   bool airflow = false;
 
-  bool Gives(MetricSource source) const {
+  bool Provides(MetricSource source) const {
     switch (source) {
       case MetricSource::kLoads:
         return loads;
@@ -66,9 +66,10 @@ absl::Status CheckModes(int modes) {
 
 // What can be said of a request before its template is there.
 absl::Status CheckRequest(const v1::AnalyzeDesignRequest& asked) {
-  return Together(Together(parametric::CheckMeshSettings(asked.mesh()),
-                           parametric::ReadAirflow(asked.airflow()).status()),
-                  Together(CheckModes(asked.modes()), resources::ValidateTags(asked)));
+  return CombineViolations(
+      CombineViolations(parametric::CheckMeshSettings(asked.mesh()),
+                        parametric::ReadAirflow(asked.airflow()).status()),
+      CombineViolations(CheckModes(asked.modes()), resources::ValidateTags(asked)));
 }
 
 // Touches the file, so that it stays until the operation, which names it, is there.
@@ -105,7 +106,7 @@ absl::StatusOr<Physics> PhysicsOf(const parametric::EvaluatedDesign& design,
 // Asks for every metric that this physics gives.
 absl::Status AddMetrics(const CompiledTemplate& compiled, const Physics& physics, v1::Task& task) {
   for (const MetricDescription& metric : OfferedMetrics()) {
-    if (physics.Gives(metric.source)) task.add_metrics(metric.name);
+    if (physics.Provides(metric.source)) task.add_metrics(metric.name);
   }
   MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, CustomMetricsOf(compiled, {}));
   for (const parametric::MetricDefinition& metric : own.metrics()) {
@@ -166,9 +167,10 @@ absl::StatusOr<v1::Operation> AnalyzeDesign(const Simulator& simulator, const rp
 
 absl::StatusOr<v1::Task> PrepareMesh(const Simulator& simulator, const rpc::Call& call,
                                      const v1::AnalyzeMeshRequest& asked) {
-  MORTISE_RETURN_IF_ERROR(Together(Together(CheckMeshCase(asked.case_(), "case"),
-                                            CheckMeshFile(*simulator.blobs, asked.mesh_file())),
-                                   resources::ValidateTags(asked)));
+  MORTISE_RETURN_IF_ERROR(
+      CombineViolations(CombineViolations(CheckMeshCase(asked.case_(), "case"),
+                                          CheckMeshFile(*simulator.blobs, asked.mesh_file())),
+                        resources::ValidateTags(asked)));
   v1::Task task;
   task.set_evaluator(kSimulatorQueue);
   task.set_fields(true);
@@ -200,9 +202,9 @@ absl::StatusOr<v1::Analysis> GetAnalysis(const Simulator& simulator, const rpc::
 
 absl::StatusOr<v1::ListAnalysesResponse> ListAnalyses(const Simulator& simulator, const rpc::Call&,
                                                       const v1::ListAnalysesRequest& asked) {
-  MORTISE_RETURN_IF_ERROR(
-      Together(Together(resources::ReadPageQuery(asked).status(), CheckSubject(asked.subject())),
-               resources::ResourceFilter::Of(asked).status()));
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(resources::ReadPageQuery(asked).status(), CheckSubject(asked.subject())),
+      resources::ResourceFilter::Of(asked).status()));
   const auto is_of_subject = [&asked](const v1::Analysis& analysis) {
     return asked.subject().empty() || analysis.template_() == asked.subject();
   };

@@ -154,8 +154,8 @@ absl::Status CheckContent(const v1::Evaluator& evaluator) {
 bool IsEvaluatorName(const std::string& name) { return absl::StartsWith(name, "evaluators/"); }
 
 absl::Status CheckEvaluator(const v1::Evaluator& evaluator) {
-  return Together(CheckContent(evaluator),
-                  UnderField("evaluator", resources::ValidateTags(evaluator)));
+  return CombineViolations(CheckContent(evaluator),
+                           UnderField("evaluator", resources::ValidateTags(evaluator)));
 }
 
 absl::StatusOr<v1::Evaluator> CreateEvaluator(store::Transaction& transaction,

@@ -37,7 +37,7 @@ void Evaluating(benchmark::State& state, const Subject& subject,
 }
 
 void Add(v1::TemplateBundle bundle) {
-  if (!templates::Complete(bundle, templates::Trial::kDefaults).ok()) return;
+  if (!templates::FillAndCheck(bundle, templates::Trial::kDefaults).ok()) return;
   const auto function = templates::Compile(bundle);
   if (!function.ok()) return;
   const Eigen::VectorXd q = parametric::Defaults((*function)->parameters());

@@ -28,10 +28,10 @@ absl::Status CheckText(const std::string& text) {
 absl::StatusOr<Note> CreateNote(const Notes&, const rpc::Call& call, const CreateNoteRequest& asked,
                                 store::Transaction& transaction) {
   // All that is wrong is told at once, before anything is stored.
-  MORTISE_RETURN_IF_ERROR(
-      Together(Together(ParseResourceName(asked.subject(), "templates", "subject").status(),
+  MORTISE_RETURN_IF_ERROR(CombineViolations(
+      CombineViolations(ParseResourceName(asked.subject(), "templates", "subject").status(),
                         CheckText(asked.text())),
-               resources::ValidateTags(asked)));
+      resources::ValidateTags(asked)));
   const resources::Author author = rpc::AuthorOf(call);
   const std::string id = NewIdentifier();
   Note note;

@@ -44,7 +44,7 @@ const std::string& PostgresqlUrl() {
 }
 
 // Runs all at the same time.
-void Together(const std::vector<std::function<void()>>& works) {
+void RunAtOnce(const std::vector<std::function<void()>>& works) {
   std::atomic<std::size_t> ready = 0;
   std::vector<std::thread> threads;
   for (const auto& work : works) {
@@ -162,8 +162,8 @@ TEST_F(CatalogReplicasTest, LoadOneCollectionTogether) {
   for (int round = 0; round < 10; ++round) {
     OpenStores(absl::ZeroDuration());
     absl::StatusOr<CollectionReport> one, other;
-    Together({[&] { one = LoadCollection(*first_, folder, first_parametrized_); },
-              [&] { other = LoadCollection(*second_, folder, second_parametrized_); }});
+    RunAtOnce({[&] { one = LoadCollection(*first_, folder, first_parametrized_); },
+               [&] { other = LoadCollection(*second_, folder, second_parametrized_); }});
     ASSERT_OK(one);
     ASSERT_OK(other);
     EXPECT_EQ(one->created.size() + other->created.size(), 2u);
@@ -177,8 +177,8 @@ TEST_F(CatalogReplicasTest, OlderAndNewerTogetherEndWithTheNewer) {
   for (int round = 0; round < 10; ++round) {
     OpenStores();
     absl::StatusOr<CollectionReport> one, other;
-    Together({[&] { one = LoadCollection(*first_, older, first_parametrized_); },
-              [&] { other = LoadCollection(*second_, newer, second_parametrized_); }});
+    RunAtOnce({[&] { one = LoadCollection(*first_, older, first_parametrized_); },
+               [&] { other = LoadCollection(*second_, newer, second_parametrized_); }});
     ASSERT_OK(one);
     ASSERT_OK(other);
     EXPECT_EQ(GetKnob(*first_)->price().amount(), 2);
@@ -197,12 +197,12 @@ TEST_F(CatalogReplicasTest, ASweepLeavesNoItemWithoutItsShape) {
     absl::Status created;
     absl::StatusOr<std::vector<std::string>> swept;
     const std::string id = absl::StrCat("shaped-", round);
-    Together({[&] {
-                created = first_->Transact([&](store::Transaction& transaction) {
-                  return CreateItem(transaction, Knob(id, shape.name()), {}).status();
-                });
-              },
-              [&] { swept = SweepShapes(*second_); }});
+    RunAtOnce({[&] {
+                 created = first_->Transact([&](store::Transaction& transaction) {
+                   return CreateItem(transaction, Knob(id, shape.name()), {}).status();
+                 });
+               },
+               [&] { swept = SweepShapes(*second_); }});
     ASSERT_OK(swept);
     const absl::Status there = first_->Read([&](store::ReadTransaction& transaction) {
       return GetShape(transaction, shape.name()).status();
@@ -228,10 +228,11 @@ TEST_F(CatalogReplicasTest, ForgettingADrawingDoesNotTakeTheSameUpload) {
     PassTime(absl::Hours(25));
     absl::StatusOr<std::string> again;
     absl::StatusOr<int64_t> forgotten;
-    Together({[&] { again = Upload(*first_, bytes); },
-              [&] {
-                forgotten = ForgetDrawings(second_.get(), blobs_, second_->Now() - absl::Hours(24));
-              }});
+    RunAtOnce({[&] { again = Upload(*first_, bytes); },
+               [&] {
+                 forgotten =
+                     ForgetDrawings(second_.get(), blobs_, second_->Now() - absl::Hours(24));
+               }});
     ASSERT_OK(again);
     ASSERT_OK(forgotten);
     const auto kept = GetDrawing(second_.get(), blobs_, *again);
@@ -244,16 +245,16 @@ TEST_F(CatalogReplicasTest, AnUploadThatIsRefusedDoesNotTakeTheSameUpload) {
     const std::string bytes = absl::StrCat("drawing ", round);
     absl::StatusOr<std::string> kept;
     absl::Status refused;
-    Together({[&] { kept = Upload(*first_, bytes); },
-              [&] {
-                const auto reader = ReceiveDrawing(second_.get(), blobs_);
-                v1::Chunk chunk;
-                chunk.set_data(bytes);
-                chunk.set_total_size(static_cast<int64_t>(bytes.size()));
-                chunk.set_sha256(std::string(64, '0'));
-                refused = reader->OnMessage(chunk);
-                if (refused.ok()) refused = reader->Complete().status();
-              }});
+    RunAtOnce({[&] { kept = Upload(*first_, bytes); },
+               [&] {
+                 const auto reader = ReceiveDrawing(second_.get(), blobs_);
+                 v1::Chunk chunk;
+                 chunk.set_data(bytes);
+                 chunk.set_total_size(static_cast<int64_t>(bytes.size()));
+                 chunk.set_sha256(std::string(64, '0'));
+                 refused = reader->OnMessage(chunk);
+                 if (refused.ok()) refused = reader->Complete().status();
+               }});
     EXPECT_EQ(DetailOf(refused).field, "sha256") << refused;
     ASSERT_OK(kept);
     EXPECT_OK(GetDrawing(first_.get(), blobs_, *kept));
@@ -314,7 +315,7 @@ TEST_F(CatalogProcesses, StartTogetherOnAnEmptyStore) {
       ADD_FAILURE() << replica << ": " << error.what();
     }
   };
-  Together({[&] { look("one"); }, [&] { look("two"); }});
+  RunAtOnce({[&] { look("one"); }, [&] { look("two"); }});
   EXPECT_EQ(served_, 2);
 }
 

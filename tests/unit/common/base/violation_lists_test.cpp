@@ -31,12 +31,12 @@ TEST(ViolationLists, AreOfOneFieldOrSeveral) {
 
 TEST(ViolationLists, AreJoined) {
   const absl::Status one = InvalidField("a", "is 1"), two = InvalidFields({{"b", "2"}, {"c", "3"}});
-  EXPECT_THAT(Told(Together(one, two)), ElementsAre("a | is 1", "b | 2", "c | 3"));
-  EXPECT_EQ(Together(absl::OkStatus(), one), one);
-  EXPECT_EQ(Together(two, absl::OkStatus()), two);
-  EXPECT_TRUE(Together(absl::OkStatus(), absl::OkStatus()).ok());
-  EXPECT_TRUE(absl::IsInternal(Together(one, absl::InternalError("broken"))));
-  EXPECT_TRUE(absl::IsInternal(Together(absl::InternalError("broken"), one)));
+  EXPECT_THAT(Told(CombineViolations(one, two)), ElementsAre("a | is 1", "b | 2", "c | 3"));
+  EXPECT_EQ(CombineViolations(absl::OkStatus(), one), one);
+  EXPECT_EQ(CombineViolations(two, absl::OkStatus()), two);
+  EXPECT_TRUE(CombineViolations(absl::OkStatus(), absl::OkStatus()).ok());
+  EXPECT_TRUE(absl::IsInternal(CombineViolations(one, absl::InternalError("broken"))));
+  EXPECT_TRUE(absl::IsInternal(CombineViolations(absl::InternalError("broken"), one)));
 }
 
 }  // namespace

@@ -24,58 +24,58 @@ v1::Item Board() {
   return item;
 }
 
-bool Takes(const v1::ResourceFilter& filter, const v1::Item& item = Board()) {
+bool Matches(const v1::ResourceFilter& filter, const v1::Item& item = Board()) {
   const absl::StatusOr<ResourceFilter> made = ResourceFilter::Create(filter);
   EXPECT_TRUE(made.ok()) << made.status();
-  return made.ok() && made->Takes(item);
+  return made.ok() && made->Matches(item);
 }
 
 TEST(ResourceFilterTest, TakesEverythingWhereNothingIsAsked) {
-  EXPECT_TRUE(Takes({}));
-  EXPECT_TRUE(Takes({}, v1::Item()));
+  EXPECT_TRUE(Matches({}));
+  EXPECT_TRUE(Matches({}, v1::Item()));
 }
 
 TEST(ResourceFilterTest, FindsExternalIdsLetterByLetter) {
   v1::ResourceFilter filter;
   filter.set_external_id("B-2");
-  EXPECT_TRUE(Takes(filter));
+  EXPECT_TRUE(Matches(filter));
   filter.set_external_id("b-2");
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
   filter.set_external_id("100-4711");
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
 }
 
 TEST(ResourceFilterTest, WantsEachLabel) {
   v1::ResourceFilter filter;
   (*filter.mutable_labels())["line"] = "A";
   (*filter.mutable_labels())["customer"] = "";
-  EXPECT_TRUE(Takes(filter));
+  EXPECT_TRUE(Matches(filter));
   (*filter.mutable_labels())["customer"] = "South";
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
   filter.mutable_labels()->erase("customer");
   (*filter.mutable_labels())["shift"] = "";
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
 }
 
 TEST(ResourceFilterTest, TellsCreatorsApart) {
   v1::ResourceFilter filter;
   filter.set_creator("users/ada");
-  EXPECT_TRUE(Takes(filter));
+  EXPECT_TRUE(Matches(filter));
   filter.set_creator("users/bob");
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
 }
 
 TEST(ResourceFilterTest, TakesFromATimeUntilBeforeAnother) {
   v1::ResourceFilter filter;
   filter.mutable_created_from()->set_seconds(1'000);
   filter.mutable_created_before()->set_seconds(1'001);
-  EXPECT_TRUE(Takes(filter));
-  EXPECT_FALSE(Takes(filter, v1::Item())) << "what has no time was created at none";
+  EXPECT_TRUE(Matches(filter));
+  EXPECT_FALSE(Matches(filter, v1::Item())) << "what has no time was created at none";
   filter.mutable_created_from()->set_nanos(1);
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
   filter.mutable_created_from()->set_seconds(900);
   filter.mutable_created_before()->set_seconds(1'000);
-  EXPECT_FALSE(Takes(filter));
+  EXPECT_FALSE(Matches(filter));
 }
 
 TEST(ResourceFilterTest, NamesWhatIsWrongWithIt) {

@@ -31,7 +31,7 @@ class AssemblyTemplateTest : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     bundle_ = ShippedAssembly("assemblies/" + GetParam());
-    ASSERT_EQ(Complete(bundle_, Trial::kThorough), absl::OkStatus());
+    ASSERT_EQ(FillAndCheck(bundle_, Trial::kThorough), absl::OkStatus());
     auto compiled = Compile(bundle_);
     ASSERT_TRUE(compiled.ok()) << compiled.status();
     template_ = *std::move(compiled);
@@ -96,14 +96,14 @@ INSTANTIATE_TEST_SUITE_P(Shipped, AssemblyTemplateTest, ::testing::ValuesIn(Asse
 
 v1::TemplateBundle Bookshelf() {
   v1::TemplateBundle bundle = ShippedAssembly("assemblies/bookshelf");
-  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   return bundle;
 }
 
 // Parameters within their ranges and the limits have a design, and none beyond a limit has one.
 TEST(AssemblyTemplateChecks, LimitsAmongParametersSayWhatCanBeHadTogether) {
   v1::TemplateBundle bundle = ShippedAssembly("assemblies/step-stool");
-  ASSERT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   const auto stool = Compile(bundle).value();
   const auto limits = stool->LimitsAmongParameters();
   ASSERT_TRUE(limits.ok()) << limits.status();
@@ -132,7 +132,7 @@ TEST(AssemblyTemplateChecks, ChosenHandlesAndRangesAreKept) {
   message.mutable_handles(0)->set_maximum(drawn + 0.01);
   message.mutable_handles(0)->set_step(0.001);
   bundle.mutable_template_()->clear_parameters();
-  ASSERT_EQ(Complete(bundle, Trial::kThorough), absl::OkStatus());
+  ASSERT_EQ(FillAndCheck(bundle, Trial::kThorough), absl::OkStatus());
   ASSERT_EQ(bundle.template_().parameters_size(), 1);
   EXPECT_EQ(bundle.template_().parameters(0).name(), "height");
   EXPECT_DOUBLE_EQ(bundle.template_().parameters(0).minimum(), drawn - 0.01);
@@ -154,7 +154,7 @@ TEST(AssemblyTemplateChecks, EveryFaultOfHandlesAndConditionsIsTold) {
   condition.set_part("chimney");
   condition.set_face("z_max");
   condition.add_components("0");
-  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  const absl::Status status = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   for (const char* field : {"assembly.handles[0].measure", "assembly.handles[1].parameter",
                             "assembly.handles[1].minimum", "boundary_conditions[0].part",
@@ -167,7 +167,7 @@ TEST(AssemblyTemplateChecks, WordsOfTheExpressionLanguageAreNoParameters) {
   v1::TemplateBundle bundle = Bookshelf();
   bundle.mutable_template_()->clear_parameters();
   bundle.mutable_template_()->mutable_assembly()->mutable_handles(0)->set_parameter("pi");
-  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  const absl::Status status = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("assembly.handles[0].parameter"));
 }
@@ -181,7 +181,7 @@ TEST(AssemblyTemplateChecks, SizesThatCannotBeHadTogetherAreNamed) {
   twin.set_parameter("twin");
   *handled.add_handles() = twin;
   bundle.mutable_template_()->clear_parameters();
-  ASSERT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   const auto compiled = Compile(bundle);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   Eigen::VectorXd q = parametric::Defaults((*compiled)->parameters());
@@ -203,7 +203,7 @@ TEST(AssemblyTemplateChecks, WhatFailsAtTheDefaultsIsRefused) {
   condition.set_face("x_min");
   condition.add_components("1 / (" + first.name() + " - " + std::to_string(first.default_value()) +
                            ")");
-  const absl::Status status = Complete(bundle, Trial::kThorough);
+  const absl::Status status = FillAndCheck(bundle, Trial::kThorough);
   EXPECT_EQ(DetailOf(status).field, "boundary_conditions[0].components[0]") << status;
   EXPECT_THAT(status.message(), HasSubstr("at the defaults"));
 
@@ -211,7 +211,7 @@ TEST(AssemblyTemplateChecks, WhatFailsAtTheDefaultsIsRefused) {
   *bundle.mutable_template_()->mutable_assembly()->add_handles() =
       bundle.template_().assembly().handles(0);
   bundle.mutable_template_()->clear_parameters();
-  EXPECT_THAT(Complete(bundle, Trial::kThorough).message(), HasSubstr("is given twice"));
+  EXPECT_THAT(FillAndCheck(bundle, Trial::kThorough).message(), HasSubstr("is given twice"));
 }
 
 TEST(AssemblyTemplateChecks, ConditionsFollowTheParameters) {
@@ -227,7 +227,7 @@ TEST(AssemblyTemplateChecks, ConditionsFollowTheParameters) {
   for (const std::string& component : {std::string("0"), std::string("0"), "-100 * " + first}) {
     condition.add_components(component);
   }
-  ASSERT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   const auto compiled = Compile(bundle);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   const Eigen::VectorXd q = parametric::Defaults((*compiled)->parameters());

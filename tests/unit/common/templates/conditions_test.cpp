@@ -26,7 +26,7 @@ using ::testing::Pair;
 using ::testing::SizeIs;
 
 absl::StatusOr<EvaluatedDesign> DesignOf(v1::TemplateBundle bundle, double length = 0.4) {
-  MORTISE_RETURN_IF_ERROR(Complete(bundle, Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(FillAndCheck(bundle, Trial::kDefaults));
   MORTISE_ASSIGN_OR_RETURN(const auto compiled, Compile(bundle));
   return compiled->Evaluate(Eigen::VectorXd::Constant(1, length));
 }

@@ -41,7 +41,7 @@ class ShippedFamilyTest : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     bundle_ = Family(GetParam());
-    ASSERT_EQ(Complete(bundle_, Trial::kDefaults), absl::OkStatus());
+    ASSERT_EQ(FillAndCheck(bundle_, Trial::kDefaults), absl::OkStatus());
     auto compiled = Compile(bundle_);
     ASSERT_TRUE(compiled.ok()) << compiled.status();
     family_ = *std::move(compiled);

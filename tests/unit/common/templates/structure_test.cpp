@@ -29,7 +29,7 @@ using parametric::Structure;
 using Function = std::shared_ptr<const Template>;
 
 Function Compiled(v1::TemplateBundle bundle) {
-  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   absl::StatusOr<Function> compiled = Compile(bundle);
   EXPECT_TRUE(compiled.ok()) << compiled.status();
   return compiled.ok() ? *std::move(compiled) : nullptr;

@@ -50,7 +50,7 @@ class SubTreeOfShipped : public ::testing::TestWithParam<ShippedSubTree> {};
 
 TEST_P(SubTreeOfShipped, IsATemplateByItself) {
   v1::TemplateBundle bundle = SubTree(GetParam().assembly, GetParam().group);
-  ASSERT_OK(Complete(bundle, Trial::kThorough));
+  ASSERT_OK(FillAndCheck(bundle, Trial::kThorough));
   const v1::Template& message = bundle.template_();
   EXPECT_EQ(message.title(), absl::StrCat(bundle.assembly().title(), ": ", GetParam().group));
   EXPECT_GE(message.parameters_size(), 1);
@@ -61,7 +61,7 @@ TEST_P(SubTreeOfShipped, IsATemplateByItself) {
   EXPECT_THAT(PartNames(drawn), Not(Contains(GetParam().outside)));
   // It is where and as large as it is in the whole.
   v1::TemplateBundle whole = ShippedAssembly("assemblies/" + GetParam().assembly);
-  ASSERT_OK(Complete(whole, Trial::kDefaults));
+  ASSERT_OK(FillAndCheck(whole, Trial::kDefaults));
   ASSERT_OK_AND_ASSIGN(const Function all, Compile(whole));
   ASSERT_OK_AND_ASSIGN(const EvaluatedDesign drawn_whole,
                        all->Evaluate(parametric::Defaults(all->parameters())));
@@ -78,7 +78,7 @@ TEST_P(SubTreeOfShipped, IsATemplateByItself) {
 // Each of its sizes can be changed by itself, without faults; further off, others must change too.
 TEST_P(SubTreeOfShipped, HasDesignsOfItsOwn) {
   v1::TemplateBundle bundle = SubTree(GetParam().assembly, GetParam().group);
-  ASSERT_OK(Complete(bundle, Trial::kDefaults));
+  ASSERT_OK(FillAndCheck(bundle, Trial::kDefaults));
   ASSERT_OK_AND_ASSIGN(const Function function, Compile(bundle));
   const Eigen::VectorXd defaults = parametric::Defaults(function->parameters());
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
@@ -126,8 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SubTreeChecks, TheRootIsTheTemplateOfTheWhole) {
   v1::TemplateBundle root = SubTree("bookshelf", ""),
                      whole = ShippedAssembly("assemblies/bookshelf");
-  ASSERT_OK(Complete(root, Trial::kDefaults));
-  ASSERT_OK(Complete(whole, Trial::kDefaults));
+  ASSERT_OK(FillAndCheck(root, Trial::kDefaults));
+  ASSERT_OK(FillAndCheck(whole, Trial::kDefaults));
   EXPECT_EQ(root.SerializeAsString(), whole.SerializeAsString());
 }
 
@@ -136,7 +136,7 @@ TEST(SubTreeChecks, DigestsTellSubTreesApart) {
   v1::TemplateBundle shelves = SubTree("bookshelf", "shelves"), row = SubTree("bookshelf", "shelf");
   for (v1::TemplateBundle* bundle : {&shelves, &row}) {
     bundle->mutable_template_()->set_title("Shelves");
-    ASSERT_OK(Complete(*bundle, Trial::kDefaults));
+    ASSERT_OK(FillAndCheck(*bundle, Trial::kDefaults));
   }
   EXPECT_NE(shelves.template_().digest(), row.template_().digest());
 }
@@ -144,13 +144,13 @@ TEST(SubTreeChecks, DigestsTellSubTreesApart) {
 TEST(SubTreeChecks, GroupsThatThereAreNotAreNamed) {
   for (const char* group : {"chimney", "assemblies/bookshelf", "shelves ", "Shelves"}) {
     v1::TemplateBundle bundle = SubTree("bookshelf", group);
-    const absl::Status refused = Complete(bundle, Trial::kDefaults);
+    const absl::Status refused = FillAndCheck(bundle, Trial::kDefaults);
     EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << group;
     EXPECT_EQ(DetailOf(refused).field, "assembly.group") << refused;
     EXPECT_THAT(std::string(refused.message()), HasSubstr("there is no group or part"));
   }
   v1::TemplateBundle screws = SubTree("bookshelf", "screw left");
-  const absl::Status refused = Complete(screws, Trial::kDefaults);
+  const absl::Status refused = FillAndCheck(screws, Trial::kDefaults);
   EXPECT_EQ(DetailOf(refused).field, "assembly.group") << refused;
   EXPECT_THAT(std::string(refused.message()), HasSubstr("no principal parts"));
 }
@@ -166,7 +166,7 @@ TEST(SubTreeChecks, HandlesAndConditionsAreOfItsElements) {
   condition.set_kind(v1::BoundaryCondition::FIXED);
   condition.set_part("side 1");
   condition.set_face("z_min");
-  const absl::Status refused = Complete(bundle, Trial::kDefaults);
+  const absl::Status refused = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
   for (const char* field : {"assembly.handles[0].measure", "boundary_conditions[0].part"}) {
     EXPECT_THAT(std::string(refused.message()), HasSubstr(field));
@@ -177,7 +177,8 @@ TEST(SubTreeChecks, HandlesAndConditionsAreOfItsElements) {
 TEST(SubTreeChecks, FaultsOfTheAssemblyKeepTheirPlace) {
   v1::TemplateBundle bundle = SubTree("bookshelf", "shelves");
   bundle.mutable_assembly()->mutable_parts(0)->set_item("items/none");
-  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "assembly.assembly.parts[0].item");
+  EXPECT_EQ(DetailOf(FillAndCheck(bundle, Trial::kDefaults)).field,
+            "assembly.assembly.parts[0].item");
 }
 
 // Two posts that only the shelf outside of the group held.
@@ -202,7 +203,7 @@ TEST(SubTreeChecks, WhatNothingInsideHoldsIsRefusedByItsGroup) {
   add("left post", "posts", 0, 0, 0, 0.05, 0.1, 1);
   add("right post", "posts", 0.9, 0.3, 0, 0.06, 0.11, 1.1);
   add("shelf", "", 0.05, 0, 0.5, 0.85, 0.45, 0.03);
-  const absl::Status refused = Complete(bundle, Trial::kDefaults);
+  const absl::Status refused = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition) << refused;
   EXPECT_EQ(DetailOf(refused).reason, "FEASIBLE_SET_UNBOUNDED") << refused;
   EXPECT_EQ(DetailOf(refused).field, "assembly.group");

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 v1::TemplateBundle Completed(const std::string& name) {
   v1::TemplateBundle bundle = ShippedTemplate(name);
-  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   return bundle;
 }
 
@@ -35,7 +35,7 @@ TEST(TemplatesTest, FeaturesFillInWhatTheServiceSays) {
   EXPECT_EQ(message.digest().size(), 64U);
   // Completing again what was completed changes nothing.
   v1::TemplateBundle again = bundle;
-  ASSERT_EQ(Complete(again, Trial::kThorough), absl::OkStatus());
+  ASSERT_EQ(FillAndCheck(again, Trial::kThorough), absl::OkStatus());
   EXPECT_EQ(again.SerializeAsString(), bundle.SerializeAsString());
 }
 
@@ -235,7 +235,7 @@ v1::TemplateBundle Cubes(const v1::CageSurface& surface) {
     point.set_z(cube.vertices(i + 2) > 0 ? "1" : "0");
   }
   *cubes.mutable_cage()->mutable_triangles() = cube.faces(0).triangles();
-  EXPECT_EQ(Complete(bundle, Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(FillAndCheck(bundle, Trial::kDefaults), absl::OkStatus());
   return bundle;
 }
 
@@ -284,7 +284,7 @@ TEST(TemplatesTest, WhatIsWrongIsToldAtOnceWithItsPlace) {
   v1::Template& message = *bundle.mutable_template_();
   message.mutable_cad()->mutable_parameters(0)->set_minimum(1);
   message.mutable_cad()->mutable_definitions(0)->set_value("1 / (");
-  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  const absl::Status status = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("cad.parameters[0]"));
   EXPECT_THAT(status.message(), HasSubstr("cad.definitions[0]"));
@@ -293,7 +293,7 @@ TEST(TemplatesTest, WhatIsWrongIsToldAtOnceWithItsPlace) {
 TEST(TemplatesTest, MaterialsThatAreNotThereAreNamed) {
   v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
   bundle.mutable_template_()->mutable_cad()->set_material("materials/unobtainium");
-  const absl::Status status = Complete(bundle, Trial::kDefaults);
+  const absl::Status status = FillAndCheck(bundle, Trial::kDefaults);
   EXPECT_EQ(DetailOf(status).field, "cad.material");
   EXPECT_THAT(status.message(), HasSubstr("materials/unobtainium"));
 }
@@ -301,22 +301,23 @@ TEST(TemplatesTest, MaterialsThatAreNotThereAreNamed) {
 TEST(TemplatesTest, AKindSaysWhatItIsByItself) {
   v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
   bundle.mutable_template_()->add_parts()->set_name("stray");
-  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "parts");
+  EXPECT_EQ(DetailOf(FillAndCheck(bundle, Trial::kDefaults)).field, "parts");
   bundle = ShippedTemplate("templates/wrench");
   bundle.mutable_template_()->set_title("Spanner");
-  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "title");
+  EXPECT_EQ(DetailOf(FillAndCheck(bundle, Trial::kDefaults)).field, "title");
   bundle = ShippedTemplate("templates/wrench");
   bundle.mutable_template_()->add_parameters()->set_name("other");
-  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "parameters");
+  EXPECT_EQ(DetailOf(FillAndCheck(bundle, Trial::kDefaults)).field, "parameters");
   bundle = ShippedTemplate("templates/wrench");
   bundle.mutable_template_()->mutable_cad()->set_name("templates/spanner");
-  EXPECT_EQ(DetailOf(Complete(bundle, Trial::kDefaults)).field, "cad.name");
+  EXPECT_EQ(DetailOf(FillAndCheck(bundle, Trial::kDefaults)).field, "cad.name");
 }
 
 TEST(TemplatesTest, NothingMoreIsTriedForWhoHasGivenUp) {
   v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
   int asked = 0;
-  const absl::Status status = Complete(bundle, Trial::kThorough, [&asked] { return ++asked >= 2; });
+  const absl::Status status =
+      FillAndCheck(bundle, Trial::kThorough, [&asked] { return ++asked >= 2; });
   EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
   EXPECT_LE(asked, 3) << "of six ends of parameters";
 }
@@ -329,7 +330,7 @@ TEST(TemplatesTest, DesignsThatCannotBeMadeAtTheEndsAreRefused) {
     if (!feature.has_chamfer()) continue;
     feature.mutable_chamfer()->set_distance("max(0.0008, handle_length - 0.18)");
   }
-  const absl::Status status = Complete(bundle, Trial::kThorough);
+  const absl::Status status = FillAndCheck(bundle, Trial::kThorough);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("at handle_length = 0.24"));
   EXPECT_THAT(DetailOf(status).field, HasSubstr("cad.features["));

@@ -83,7 +83,7 @@ absl::StatusOr<EvaluationFamily> MakeFamily(v1::TemplateBundle bundle) {
       .mesh = "",
       .uses_kernel = message.has_cad(),
       .function = nullptr};
-  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults));
   MORTISE_ASSIGN_OR_RETURN(family.function, templates::Compile(bundle));
   return family;
 }
@@ -129,7 +129,7 @@ absl::StatusOr<std::vector<EvaluationFamily>> ShippedFamilies(
 absl::StatusOr<EvaluationFamily> ShippedAssemblyOf(const std::string& name, int parameters) {
   v1::TemplateBundle bundle = templates::ShippedAssembly(absl::StrCat("assemblies/", name));
   if (bundle.assembly().name().empty()) return ResourceNotFound(name);
-  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults));
   v1::Template& message = *bundle.mutable_template_();
   if (message.assembly().handles_size() < parameters) {
     return PreconditionFailed("TOO_FEW_SIZES",

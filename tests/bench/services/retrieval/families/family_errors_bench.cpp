@@ -37,7 +37,7 @@ constexpr FamilyCase kFamilies[] = {
 std::shared_ptr<const templates::Template> Compiled(const std::string& name) {
   v1::TemplateBundle bundle = name.starts_with("assemblies/") ? templates::ShippedAssembly(name)
                                                               : templates::ShippedTemplate(name);
-  if (!templates::Complete(bundle, templates::Trial::kDefaults).ok()) return nullptr;
+  if (!templates::FillAndCheck(bundle, templates::Trial::kDefaults).ok()) return nullptr;
   const auto compiled = templates::Compile(bundle);
   return compiled.ok() ? *compiled : nullptr;
 }

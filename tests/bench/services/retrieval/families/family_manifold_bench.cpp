@@ -32,7 +32,7 @@ constexpr int kSamples = 100;
 constexpr int kTimed = 20;
 
 std::shared_ptr<const templates::Template> CompiledOf(v1::TemplateBundle bundle) {
-  const absl::Status completed = templates::Complete(bundle, templates::Trial::kDefaults);
+  const absl::Status completed = templates::FillAndCheck(bundle, templates::Trial::kDefaults);
   if (!completed.ok()) return nullptr;
   const auto compiled = templates::Compile(bundle);
   return compiled.ok() ? *compiled : nullptr;

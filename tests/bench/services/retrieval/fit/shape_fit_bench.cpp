@@ -42,7 +42,7 @@ constexpr std::size_t kStarts = 5;
 FitFamily FamilyOf(const std::string& name) {
   v1::TemplateBundle bundle = name.starts_with("assemblies/") ? templates::ShippedAssembly(name)
                                                               : templates::ShippedTemplate(name);
-  if (!templates::Complete(bundle, templates::Trial::kDefaults).ok()) std::abort();
+  if (!templates::FillAndCheck(bundle, templates::Trial::kDefaults).ok()) std::abort();
   const std::shared_ptr<const templates::Template> function = templates::Compile(bundle).value();
   return SurfacesOf(function, DomainOf(*function).value());
 }

@@ -131,7 +131,7 @@ class TaggedRecordsTest : public ::testing::Test {
     return Change<v1::Template>(
         [&](store::Transaction& transaction) -> absl::StatusOr<v1::Template> {
           MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, Freeze(transaction, message));
-          MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+          MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults));
           return ImportBundle(transaction, bundle, expected, author);
         });
   }

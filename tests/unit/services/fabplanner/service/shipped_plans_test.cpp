@@ -58,13 +58,15 @@ Shipped Load(const std::string& name) {
     if (colon < name.size()) {
       shipped.bundle.mutable_template_()->mutable_assembly()->set_group(name.substr(colon + 1));
     }
-    EXPECT_EQ(templates::Complete(shipped.bundle, templates::Trial::kDefaults), absl::OkStatus());
+    EXPECT_EQ(templates::FillAndCheck(shipped.bundle, templates::Trial::kDefaults),
+              absl::OkStatus());
   } else {
     shipped.bundle = templates::ShippedTemplate(name);
     const std::string& assembly = shipped.bundle.template_().assembly().assembly();
     if (!assembly.empty()) {
       *shipped.bundle.mutable_assembly() = templates::ShippedAssembly(assembly).assembly();
-      EXPECT_EQ(templates::Complete(shipped.bundle, templates::Trial::kDefaults), absl::OkStatus());
+      EXPECT_EQ(templates::FillAndCheck(shipped.bundle, templates::Trial::kDefaults),
+                absl::OkStatus());
     }
   }
   auto compiled = templates::Compile(shipped.bundle);

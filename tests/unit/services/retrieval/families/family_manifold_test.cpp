@@ -18,7 +18,7 @@ namespace {
 
 std::shared_ptr<const templates::Template> CompiledAssembly(const std::string& name) {
   v1::TemplateBundle bundle = templates::ShippedAssembly(name);
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   return templates::Compile(bundle).value();
 }
 
@@ -54,7 +54,7 @@ class FamilyManifoldTest : public ::testing::Test {
  protected:
   FamilyManifoldTest() {
     v1::TemplateBundle bundle = templates::ShippedTemplate("templates/table");
-    EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+    EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
     function_ = templates::Compile(bundle).value();
     manifold_ = MakeFamilyManifold(function_, descriptor_).value();
   }

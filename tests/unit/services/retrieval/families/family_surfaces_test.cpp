@@ -17,7 +17,7 @@ namespace {
 
 std::shared_ptr<const templates::Template> Shipped(const std::string& name) {
   v1::TemplateBundle bundle = templates::ShippedTemplate(name);
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   return templates::Compile(bundle).value();
 }
 

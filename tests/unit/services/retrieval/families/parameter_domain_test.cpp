@@ -13,7 +13,7 @@ namespace {
 using Eigen::VectorXd;
 
 std::shared_ptr<const templates::Template> Compiled(v1::TemplateBundle bundle) {
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   return templates::Compile(bundle).value();
 }
 

@@ -23,7 +23,7 @@ namespace {
 using ::testing::HasSubstr;
 
 CompiledTemplate Compiled(v1::TemplateBundle bundle) {
-  const absl::Status complete = templates::Complete(bundle, templates::Trial::kDefaults);
+  const absl::Status complete = templates::FillAndCheck(bundle, templates::Trial::kDefaults);
   EXPECT_EQ(complete, absl::OkStatus());
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();
@@ -219,7 +219,7 @@ TEST(CustomMetrics, TellWhatIsWrongWithTheirName) {
   EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(
       Metric("m", "heigth"),
       bundle.mutable_template_()->mutable_cad()->mutable_metric_definitions()));
-  EXPECT_THAT(std::string(templates::Complete(bundle, templates::Trial::kDefaults).message()),
+  EXPECT_THAT(std::string(templates::FillAndCheck(bundle, templates::Trial::kDefaults).message()),
               HasSubstr("cad.metric_definitions.expressions[0].expression: 'm0': column 1: there "
                         "is no parameter or metric 'heigth'"));
 }

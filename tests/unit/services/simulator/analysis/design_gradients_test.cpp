@@ -65,7 +65,7 @@ struct Subject {
 };
 
 Subject SubjectOf(v1::TemplateBundle bundle, const std::string& definitions = kTip) {
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   Subject subject;
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();

@@ -31,7 +31,7 @@ namespace {
 
 // The model of a template at its defaults.
 absl::StatusOr<DesignModel> ModelOf(v1::TemplateBundle bundle) {
-  MORTISE_RETURN_IF_ERROR(templates::Complete(bundle, templates::Trial::kDefaults));
+  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults));
   MORTISE_ASSIGN_OR_RETURN(const auto function, templates::Compile(bundle));
   const Eigen::VectorXd parameters = parametric::Defaults(function->parameters());
   MORTISE_ASSIGN_OR_RETURN(const auto design, function->Evaluate(parameters));
@@ -102,7 +102,7 @@ class RoundDesignsTest : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(RoundDesignsTest, CanBeMeshedWithFewElements) {
   v1::TemplateBundle bundle = templates::ShippedTemplate(GetParam());
-  ASSERT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   const auto function = templates::Compile(bundle);
   ASSERT_TRUE(function.ok()) << function.status();
   std::mt19937_64 random(11);
@@ -153,7 +153,7 @@ TEST(ShippedTetrahedraTest, FillALampThatTheMesherFailsOver) {
 TEST(ShippedTetrahedraTest, HaveVolumesOnceTheSizeIsChanged) {
   const testing::ReplacedProgram gmsh("gmsh", "exit 1");
   v1::TemplateBundle bundle = templates::ShippedTemplate("templates/wrench");
-  ASSERT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   const auto function = templates::Compile(bundle);
   ASSERT_TRUE(function.ok()) << function.status();
   Eigen::VectorXd q = parametric::Defaults((*function)->parameters());

@@ -31,7 +31,7 @@ struct Subject {
 
 Subject SubjectOf(v1::TemplateBundle bundle) {
   Subject subject;
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   subject.function = templates::Compile(bundle).value();
   const Eigen::VectorXd q = parametric::Defaults(subject.function->parameters());
   subject.design = subject.function->Evaluate(q).value();
@@ -274,7 +274,7 @@ TEST(TemplateConditions, SayWhatIsMissing) {
   const BarMaterial insulator{.thermal_conductivity = 0};
   v1::TemplateBundle bundle =
       PartsBar(Condition("hot", "TEMPERATURE", "x_min", {"300"}), insulator);
-  ASSERT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  ASSERT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   const auto function = templates::Compile(bundle).value();
   const Eigen::VectorXd q = parametric::Defaults(function->parameters());
   const absl::Status status = MakeDesignModel(*function, q, function->Evaluate(q).value()).status();

@@ -43,7 +43,7 @@ Subject At(const Subject& other, const Eigen::VectorXd& parameters) {
 }
 
 Subject AtDefaults(v1::TemplateBundle bundle) {
-  EXPECT_EQ(templates::Complete(bundle, templates::Trial::kDefaults), absl::OkStatus());
+  EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();
   return At({*function, {}, {}}, parametric::Defaults((*function)->parameters()));
