@@ -49,42 +49,43 @@ absl::StatusOr<v1::Money> PriceOf(const std::string& text) {
 
 }  // namespace
 
-void DesignFilterOptions::AddTo(CLI::App& command) {
+void DesignFilterOptions::AddTo(CommandFlags& flags) {
   const std::string group = "What matches are like";
-  command.add_option("--category", categories, "Only of this category; may be repeated")
+  flags.Add("--category", categories, "Only of this category; may be repeated", "categories")
       ->allow_extra_args(false)
       ->group(group);
-  command.add_option("--min-size", min_size, "At least so large: \"0.3 m\", or \"X, Y, Z\"")
+  flags
+      .Add("--min-size", min_size, "At least so large: \"0.3 m\", or \"X, Y, Z\"",
+           "design_filter.min_size")
       ->group(group);
-  command.add_option("--max-size", max_size, "At most so large: \"1.2 m\", or \"X, Y, Z\"")
+  flags
+      .Add("--max-size", max_size, "At most so large: \"1.2 m\", or \"X, Y, Z\"",
+           "design_filter.max_size")
       ->group(group);
-  command.add_option("--material", materials, "Made of this material; of one of those repeated")
+  flags
+      .Add("--material", materials, "Made of this material; of one of those repeated",
+           "design_filter.materials")
       ->allow_extra_args(false)
       ->group(group);
-  command.add_option("--max-price", max_price, "Material costs at most: 120 (EUR), or \"120 USD\"")
+  flags
+      .Add("--max-price", max_price, "Material costs at most: 120 (EUR), or \"120 USD\"",
+           "design_filter.max_price")
       ->group(group);
-  command
-      .add_option("--item", items,
-                  "Can be built from this item: NAME or NAME=PIECES; may be repeated")
+  flags.Add("--item", items, "Can be built from this item: NAME or NAME=PIECES; may be repeated")
       ->allow_extra_args(false)
       ->group(group);
-  command
-      .add_option("--from-items", item_files,
-                  "Can be built from these: a table (.csv) of item and quantity")
+  flags
+      .Add("--from-items", item_files,
+           "Can be built from these: a table (.csv) of item and quantity")
       ->allow_extra_args(false)
       ->group(group);
 }
 
-void DesignFilterOptions::AddSources(FieldSources* sources) const {
-  sources->Add("categories", "--category");
-  sources->Add("design_filter.min_size", "--min-size");
-  sources->Add("design_filter.max_size", "--max-size");
-  sources->AddEach("design_filter.materials", "--material", materials);
-  sources->Add("design_filter.max_price", "--max-price");
+void DesignFilterOptions::AddItemSources(FieldSources& sources) const {
   if (item_files.empty()) {
-    sources->AddEach("design_filter.items", "--item", items);
+    sources.AddEach("design_filter.items", "--item", items);
   } else {
-    sources->Add("design_filter.items", "--from-items");
+    sources.Add("design_filter.items", "--from-items");
   }
 }
 

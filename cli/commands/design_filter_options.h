@@ -1,13 +1,12 @@
 // The flags of `mortise search` that say what the designs it finds must be like.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "mortise/v1/retrieval.pb.h"
 
 namespace mortise::cli {
@@ -20,10 +19,11 @@ struct DesignFilterOptions {
   std::vector<std::string> items;  // "board" or "board=4"
   std::vector<std::filesystem::path> item_files;
 
-  void AddTo(CLI::App& command);
+  // Declares the flags.
+  void AddTo(CommandFlags& flags);
 
-  // Which flags the fields of a request come from.
-  void AddSources(FieldSources* sources) const;
+  // Which of the flags items come from: those of a file, if there is one, else --item.
+  void AddItemSources(FieldSources& sources) const;
 
   // INVALID_ARGUMENT naming a flag, or a place in a file.
   absl::Status Fill(v1::SearchShapesRequest* request) const;

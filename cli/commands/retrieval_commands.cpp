@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/client/field_sources.h"
+#include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
@@ -46,21 +46,6 @@ struct IndexOptions {
   bool anew = false;
   bool detach = false;
 };
-
-FieldSources SourcesOf(const SearchOptions& options) {
-  FieldSources sources;
-  sources.Add("mesh", options.mesh);
-  sources.Add("mesh.length_unit", "--unit");
-  sources.Add("mesh.up", "--up");
-  sources.Add("design.template", "--design");
-  sources.AddEach("design.parameters", "--set", options.parameters);
-  sources.Add("design.parts", "--part");
-  sources.Add("shape_descriptor", "--descriptor");
-  sources.Add("limit", "--top");
-  sources.AddEach("templates", "--template", options.templates);
-  options.filter.AddSources(&sources);
-  return sources;
-}
 
 absl::StatusOr<v1::ShapeDescriptor> DescriptorOf(const std::string& name) {
   if (name == "d2") return v1::D2;
@@ -226,29 +211,33 @@ absl::Status ShowStatus(Session& session, Output& output) {
 
 void AddSearch(CLI::App& app, Session& session) {
   auto options = std::make_shared<SearchOptions>();
-  CLI::App* search = app.add_subcommand("search", "Find the templates that can become a shape");
-  search->add_option("mesh", options->mesh, "File with a mesh: OBJ, OFF, PLY, STL, GLB or glTF");
-  search->add_option("--design", options->design, "A template whose design is looked for instead");
-  search
-      ->add_option("--set", options->parameters, "NAME=VALUE of that design, such as length=1500mm")
+  CommandFlags flags(*app.add_subcommand("search", "Find the templates that can become a shape"));
+  flags.Add("mesh", options->mesh, "File with a mesh: OBJ, OFF, PLY, STL, GLB or glTF");
+  flags.Add("--design", options->design, "A template whose design is looked for instead",
+            "design.template");
+  flags
+      .Add("--set", options->parameters, "NAME=VALUE of that design, such as length=1500mm",
+           "design.parameters")
       ->allow_extra_args(false);
-  search->add_option("--part", options->parts, "Only this part of the design; may be repeated")
+  flags.Add("--part", options->parts, "Only this part of the design; may be repeated")
       ->allow_extra_args(false);
-  search->add_option("--descriptor", options->descriptor, "d2, voxel or light-field")
+  flags.AlsoGives("--part", "design.parts");
+  flags.Add("--descriptor", options->descriptor, "d2, voxel or light-field", "shape_descriptor")
       ->capture_default_str();
-  search->add_option("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft");
-  search->add_option("--up", options->up, "Axis of the mesh that points upwards: x, y or z");
-  search->add_option("--top", options->top, "How many matches")->capture_default_str();
-  search->add_option("--template", options->templates, "Only this template; may be repeated")
+  flags.Add("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft",
+            "mesh.length_unit");
+  flags.Add("--up", options->up, "Axis of the mesh that points upwards: x, y or z", "mesh.up");
+  flags.Add("--top", options->top, "How many matches", "limit")->capture_default_str();
+  flags.Add("--template", options->templates, "Only this template; may be repeated", "templates")
       ->allow_extra_args(false);
-  search->add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
-  options->filter.AddTo(*search);
-  search->add_option("--sheet", options->sheet, "PNG file for a picture of the matches");
-  search->footer("Example: mortise search chair.obj --top 5 --sheet out.png");
-  search->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) {
-      return SourcesOf(*options).Name(Search(*options, s, output));
-    };
+  flags.command().add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
+  options->filter.AddTo(flags);
+  flags.Add("--sheet", options->sheet, "PNG file for a picture of the matches");
+  flags.command().footer("Example: mortise search chair.obj --top 5 --sheet out.png");
+  flags.Run(session, [options](FieldSources& sources, Session& s, Output& output) {
+    sources.Add("mesh", options->mesh);
+    options->filter.AddItemSources(sources);
+    return Search(*options, s, output);
   });
 }
 
@@ -256,18 +245,19 @@ void AddIndex(CLI::App& app, Session& session) {
   CLI::App* index = app.add_subcommand("index", "What searches by shape stand on");
   index->require_subcommand(1);
   auto options = std::make_shared<IndexOptions>();
-  CLI::App* build = index->add_subcommand("build", "Bring indexes up to the templates there are");
-  build->add_option("template", options->templates, "Only these templates; all if none is named");
-  build->add_option("--descriptor", options->descriptors,
-                    "Only this one: d2, voxel or light-field; may be repeated");
-  build->add_option("--delta", options->delta,
-                    "How far a design may be from its cover, in the descriptor's distance");
-  build->add_flag("--anew", options->anew, "Cover again what is covered");
-  AddDetach(*build, options->detach);
-  build->footer("Example: mortise index build --descriptor d2");
-  build->callback([&session, options] {
-    session.command = [options](Session& s, Output& output) { return Build(*options, s, output); };
-  });
+  CommandFlags build(
+      *index->add_subcommand("build", "Bring indexes up to the templates there are"));
+  build.Add("template", options->templates, "Only these templates; all if none is named",
+            "templates");
+  build.Add("--descriptor", options->descriptors,
+            "Only this one: d2, voxel or light-field; may be repeated");
+  build.AlsoGives("--descriptor", "shape_descriptors");
+  build.Add("--delta", options->delta,
+            "How far a design may be from its cover, in the descriptor's distance", "delta");
+  build.command().add_flag("--anew", options->anew, "Cover again what is covered");
+  AddDetach(build.command(), options->detach);
+  build.command().footer("Example: mortise index build --descriptor d2");
+  build.Run(session, [options](Session& s, Output& output) { return Build(*options, s, output); });
   CLI::App* status = index->add_subcommand("status", "The indexes there are");
   status->footer("Example: mortise index status");
   status->callback([&session] { session.command = ShowStatus; });

@@ -9,9 +9,10 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "common/design/template_definition.h"
 
 namespace mortise::fabplanner {
 
@@ -22,23 +23,12 @@ enum class CutProcess {
   kJigsaw,   // outline cut from a sheet
 };
 
-// An amount of money. An empty currency means that the price is not known.
-struct Money {
-  std::string currency;  // ISO 4217
-  double amount = 0;     // whole units, >= 0
-};
+using parametric::Money;  // an empty currency means that the price is not known
+using parametric::StockSize;
 
 // Boards and all other stock sold by length; sheets; pegs and rods of wood; wood screws; bolts and
 // whatever else has a metric thread; nuts and washers; hinges, slides, wheels and the rest.
 enum class ItemKind { kBoard, kSheet, kDowel, kScrew, kBolt, kNut, kHardware };
-
-// A size that an item is sold in.
-struct StockSize {
-  double length = 0;  // m
-  double width = 0;   // m, of sheets
-  // The price of one piece, in the currency of the item's price; nothing if it is not known.
-  std::optional<double> price = {};
-};
 
 // The sizes that parts of an item may have along one of its axes, m; 0 and 0 where that is not
 // known.

@@ -95,14 +95,12 @@ Item ItemFrom(const parametric::Item& read) {
                          fixed ? dimension.size : dimension.maximum};
     item.ripped = item.ripped || dimension.process == parametric::Process::kRipSaw;
   }
-  item.price = {read.price.currency, read.price.amount};
+  item.price = read.price;
   item.price_per_volume = read.price_basis == parametric::PriceBasis::kPerVolume;
   item.supplier = read.supplier;
   item.supplier_number = read.supplier_number;
   item.supplier_url = read.supplier_url;
-  for (const parametric::StockSize& size : read.stock_sizes) {
-    item.stock.push_back({size.length, size.width, size.price});
-  }
+  item.stock = read.stock_sizes;
   for (const parametric::ItemMeasure& measure : read.measures) {
     item.measures[measure.name] = measure.size;
   }
