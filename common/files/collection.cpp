@@ -137,8 +137,9 @@ absl::Status LabelCategories(const fs::path& file, Collection& collection) {
       findings.push_back({PlaceOf(row[0]), "has a category already"});
     }
   }
-  for (FieldViolation& finding : findings)
+  for (FieldViolation& finding : findings) {
     finding.field = absl::StrCat(file.string(), ": ", finding.field);
+}
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   for (v1::Template& message : collection.templates) {
     const auto category = categories.find(message.name());

@@ -32,8 +32,9 @@ std::vector<double> LogarithmicTicks(const AxisSpan& span) {
   for (double power = std::floor(std::log10(span.least)); power <= std::log10(span.most); ++power) {
     for (const double factor : factors) {
       const double tick = factor * std::pow(10, power);
-      if (tick >= span.least * (1 - kRounding) && tick <= span.most * (1 + kRounding))
+      if (tick >= span.least * (1 - kRounding) && tick <= span.most * (1 + kRounding)) {
         ticks.push_back(tick);
+}
     }
   }
   return ticks.size() >= 2 ? ticks : std::vector<double>{span.least, span.most};
@@ -194,10 +195,12 @@ Drawing DrawChart(const std::vector<ChartPanel>& panels, const ChartLayout& layo
     double x = kLegendMargin;
     for (const ChartSeries& series : row) {
       const Vector2d begin(x, y - 4), end(x + kKeyWidth - 8, y - 4);
-      if (series.line_width > 0)
+      if (series.line_width > 0) {
         drawing.Add(Drawing::Line{{begin, end}, series.color, series.line_width});
-      if (series.dot_radius > 0)
+}
+      if (series.dot_radius > 0) {
         drawing.Add(Drawing::Disc{(begin + end) / 2, series.dot_radius, series.color});
+}
       Write(drawing, {x + kKeyWidth, y}, series.name);
       x += LegendWidth(series);
     }

@@ -25,10 +25,12 @@ template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 
 absl::Status Check(const Drawing& drawing) {
-  if (drawing.width() < 16 || drawing.width() > 10000)
+  if (drawing.width() < 16 || drawing.width() > 10000) {
     return InvalidField("drawing.width", "must be within 16 to 10000");
-  if (drawing.height() < 16 || drawing.height() > 10000)
+}
+  if (drawing.height() < 16 || drawing.height() > 10000) {
     return InvalidField("drawing.height", "must be within 16 to 10000");
+}
   const auto finite = [](const Points& points) {
     return std::ranges::all_of(points, [](const Eigen::Vector2d& p) { return p.allFinite(); });
   };
@@ -40,9 +42,11 @@ absl::Status Check(const Drawing& drawing) {
                    mark);
     if (!is_finite) return InvalidField("drawing", "a coordinate is not a finite number");
   }
-  for (const Drawing::Text& text : drawing.texts())
-    if (!text.position.allFinite())
+  for (const Drawing::Text& text : drawing.texts()) {
+    if (!text.position.allFinite()) {
       return InvalidField("drawing", "a coordinate is not a finite number");
+}
+}
   return absl::OkStatus();
 }
 
@@ -114,8 +118,9 @@ class Samples {
 
   Image Reduced() const {
     Image reduced(image_.width / kSamples, image_.height / kSamples, {1, 1, 1});
-    for (int y = 0; y < reduced.height; ++y)
+    for (int y = 0; y < reduced.height; ++y) {
       for (int x = 0; x < reduced.width; ++x) Average(x, y, reduced);
+}
     return reduced;
   }
 
@@ -123,10 +128,12 @@ class Samples {
   void Average(int x, int y, Image& reduced) const {
     for (int channel = 0; channel < 3; ++channel) {
       int sum = 0;
-      for (int j = 0; j < kSamples; ++j)
-        for (int i = 0; i < kSamples; ++i)
+      for (int j = 0; j < kSamples; ++j) {
+        for (int i = 0; i < kSamples; ++i) {
           sum += image_.pixels[3 * Index(kSamples * x + i, kSamples * y + j, image_.width) +
                                static_cast<std::size_t>(channel)];
+}
+}
       reduced.pixels[3 * Index(x, y, reduced.width) + static_cast<std::size_t>(channel)] =
           static_cast<std::uint8_t>(sum / (kSamples * kSamples));
     }
@@ -172,8 +179,9 @@ class Samples {
         crossings.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
       }
       std::ranges::sort(crossings);
-      for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
+      for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
         FillRow(row, crossings[i], crossings[i + 1], color);
+}
     });
   }
 
@@ -190,8 +198,9 @@ absl::StatusOr<std::string> DrawingSvg(const Drawing& drawing) {
       "font-family=\"Helvetica, Arial, sans-serif\">\n"
       "<rect width=\"100%%\" height=\"100%%\" fill=\"#ffffff\"/>\n",
       drawing.width(), drawing.height(), drawing.width(), drawing.height());
-  for (const auto& mark : drawing.marks())
+  for (const auto& mark : drawing.marks()) {
     svg += std::visit([](const auto& one) { return MarkSvg(one); }, mark);
+}
   for (const Drawing::Text& text : drawing.texts()) svg += TextSvg(text);
   return svg + "</svg>\n";
 }
@@ -200,8 +209,9 @@ absl::StatusOr<Image> DrawingImage(const Drawing& drawing, int scale) {
   MORTISE_RETURN_IF_ERROR(Check(drawing));
   if (scale < 1 || scale > 4) return InvalidField("scale", "must be within 1 to 4");
   Samples samples(drawing.width(), drawing.height(), scale * kSamples);
-  for (const auto& mark : drawing.marks())
+  for (const auto& mark : drawing.marks()) {
     std::visit([&](const auto& one) { samples.Draw(one); }, mark);
+}
   Image image = samples.Reduced();
   for (const Drawing::Text& text : drawing.texts()) {
     const double capital = kCapital * text.size * scale;
@@ -221,8 +231,9 @@ std::string Shortened(const std::string& text, double size, double width) {
   do {
     kept.pop_back();
     // Not within a character of several bytes.
-    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0x80)
+    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0x80) {
       kept.pop_back();
+}
     if (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0xC0) kept.pop_back();
   } while (!kept.empty() && TextWidth(kCapital * size, absl::StrCat(kept, "..")) > width);
   return absl::StrCat(kept, "..");

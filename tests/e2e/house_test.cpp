@@ -84,8 +84,9 @@ TEST_F(HouseTest, AnyMethodCanBeCalled) {
   const Json answer = Ask({"call", "catalog.GetTemplate", R"({"name": "templates/table"})"});
   EXPECT_EQ(answer["name"], "templates/table");
   const Json house = Ask({"call", "mortise.v1.GatewayService/GetHouse"});
-  for (const Json& service : house["services"])
+  for (const Json& service : house["services"]) {
     EXPECT_TRUE(service["healthy"].get<bool>()) << service;
+}
 }
 
 TEST_F(HouseTest, TableIsEvaluatedAtParameters) {

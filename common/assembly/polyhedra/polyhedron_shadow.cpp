@@ -100,8 +100,9 @@ class RayShooting {
     rows << factor_.inequalities * (along_ * unit), factor_.inequalities * across_;
     rows = (rows.array().abs() <= kNegligible).select(0, rows);
     std::vector<Index> kept;
-    for (Index i = 0; i < rows.rows(); ++i)
+    for (Index i = 0; i < rows.rows(); ++i) {
       if (!rows.row(i).isZero(0)) kept.push_back(i);
+}
     MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
                              LinearProgramme::Create(rows(kept, Eigen::all), room_(kept)));
     MORTISE_ASSIGN_OR_RETURN(const auto end,

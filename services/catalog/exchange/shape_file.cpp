@@ -16,8 +16,9 @@ namespace {
 
 // What is wrong with the shape, said of the file.
 absl::Status OfFile(const absl::Status& status) {
-  if (absl::IsResourceExhausted(status))
+  if (absl::IsResourceExhausted(status)) {
     return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
+}
   if (!absl::IsInvalidArgument(status)) return status;
   std::vector<FieldViolation> violations = AllViolationsOf(status);
   for (FieldViolation& violation : violations) violation.field = "file";

@@ -34,8 +34,9 @@ absl::StatusOr<std::vector<Known>> KnownPoints(const Manifold& manifold,
   ParallelEvaluator evaluator(manifold, sampling.threads);
   const auto values = evaluator.Evaluate(points);
   std::vector<Known> known;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < points.size(); ++i) {
     if (values[i].ok()) known.push_back({points[i], *values[i], manifold.Structure(points[i])});
+}
   return known;
 }
 
@@ -79,8 +80,9 @@ class NearestSearch {
   // The point of the manifold at these parameters; nothing if there is none of the structure.
   std::optional<Known> PointAt(const VectorXd& point) {
     const auto values = evaluator_.Evaluate({point});
-    if (!values[0].ok() || evaluator_.manifold().Structure(point) != structure_)
+    if (!values[0].ok() || evaluator_.manifold().Structure(point) != structure_) {
       return std::nullopt;
+}
     return Known{point, *values[0], structure_};
   }
 
@@ -119,9 +121,11 @@ absl::StatusOr<std::vector<double>> CoverageErrors(const Manifold& manifold,
   ParallelFor(static_cast<int>(known.size()), sampling.threads, [&](int i) {
     const Known& point = known[static_cast<std::size_t>(i)];
     double& error = errors[static_cast<std::size_t>(i)];
-    for (const Primitive& primitive : primitives)
-      if (primitive.structure == point.structure && DistanceBound(primitive, point.value) < error)
+    for (const Primitive& primitive : primitives) {
+      if (primitive.structure == point.structure && DistanceBound(primitive, point.value) < error) {
         error = std::min(error, Distance(primitive, point.value));
+}
+}
   });
   std::sort(errors.begin(), errors.end());
   return errors;
@@ -131,8 +135,9 @@ absl::StatusOr<std::vector<double>> FittingErrors(const Manifold& manifold,
                                                   const std::vector<Primitive>& primitives,
                                                   const ErrorSampling& sampling) {
   std::vector<const Primitive*> tangents;
-  for (const Primitive& primitive : primitives)
+  for (const Primitive& primitive : primitives) {
     if (primitive.axes.cols() > 0) tangents.push_back(&primitive);
+}
   if (tangents.empty()) return std::vector<double>{};
   MORTISE_ASSIGN_OR_RETURN(const VectorXd extents, ExtentsOf(manifold.constraints()));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Known> known, KnownPoints(manifold, sampling));
@@ -146,8 +151,9 @@ absl::StatusOr<std::vector<double>> FittingErrors(const Manifold& manifold,
     NearestSearch search(manifold, extents, place, primitive.structure);
     double& error = errors[static_cast<std::size_t>(i)];
     error = search.DistanceFrom({primitive.parameters, primitive.center, primitive.structure});
-    if (const Known* start = NearestKnown(known, place, primitive.structure))
+    if (const Known* start = NearestKnown(known, place, primitive.structure)) {
       error = std::min(error, search.DistanceFrom(*start));
+}
   });
   std::sort(errors.begin(), errors.end());
   return errors;

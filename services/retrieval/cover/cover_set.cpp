@@ -13,8 +13,9 @@ constexpr double kRounding = 1e-9;  // of a distance between descriptors, so tha
 
 CoverSet::Keys CoverSet::KeysOf(const Eigen::VectorXd& x) const {
   Keys keys{};
-  for (std::size_t i = 0; i < std::min(kPivots, primitives_.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kPivots, primitives_.size()); ++i) {
     keys[i] = (x - primitives_[i].center).norm();
+}
   return keys;
 }
 
@@ -37,8 +38,9 @@ bool CoverSet::Covers(const Eigen::VectorXd& x, int structure, double delta,
     if (primitives_[i].structure != structure) continue;
     const double within = delta + reaches_[i];
     bool possible = true;
-    for (std::size_t k = 0; k < kPivots && possible; ++k)
+    for (std::size_t k = 0; k < kPivots && possible; ++k) {
       possible = std::abs(keys[k] - keys_[i][k]) <= within + kRounding * (within + keys[k]);
+}
     if (possible && Distance(primitives_[i], x) <= delta) return true;
   }
   return false;

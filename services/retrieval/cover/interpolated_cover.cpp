@@ -59,8 +59,9 @@ class KnownPoints {
       const bool has_enough = std::all_of(points_.begin(), points_.end(), [&](const auto& each) {
         return each.second.size() >= count;
       });
-      if (has_enough || TooManyFail() || evaluator_.evaluations() >= options_.most_evaluations)
+      if (has_enough || TooManyFail() || evaluator_.evaluations() >= options_.most_evaluations) {
         break;
+}
     }
     return absl::OkStatus();
   }
@@ -139,13 +140,15 @@ struct Subspace {
 // one in a hundred of all of them; nothing if there are not enough.
 std::optional<Subspace> LeadingComponents(const KnownPoints& known, double most) {
   std::vector<const VectorXd*> all;
-  for (const auto& [structure, points] : known.points())
+  for (const auto& [structure, points] : known.points()) {
     for (const KnownPoint& point : points) all.push_back(&point.value);
+}
   if (all.empty()) return std::nullopt;
   const std::size_t count = std::min(all.size(), kComponentPoints);
   MatrixXd some(all.front()->size(), static_cast<Index>(count));
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i) {
     some.col(static_cast<Index>(i)) = *all[i * all.size() / count];
+}
   Subspace space{some.rowwise().mean(), {}};
   some.colwise() -= space.middle;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(some.transpose() * some);
@@ -183,16 +186,18 @@ Interpolants Interpolate(const KnownPoints& known, const Subspace& space, double
     const VectorXd& left_out = interpolant->left_out_errors();
     std::vector<double> errors(left_out.begin(), left_out.end());
     std::sort(errors.begin(), errors.end());
-    if (Quantile(errors, kErrorQuantile) <= most)
+    if (Quantile(errors, kErrorQuantile) <= most) {
       interpolants.emplace(structure, *std::move(interpolant));
+}
   }
   return interpolants;
 }
 
 double PartWithout(const KnownPoints& known, const Interpolants& interpolants) {
   double part = 0;
-  for (const auto& [structure, points] : known.points())
+  for (const auto& [structure, points] : known.points()) {
     if (!interpolants.contains(structure)) part += known.PartOf(structure);
+}
   return part;
 }
 
@@ -295,8 +300,9 @@ absl::StatusOr<Cover> CoverDirectly(const Manifold& manifold, const KnownPoints&
 
 absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const CoverOptions& options) {
   MORTISE_ASSIGN_OR_RETURN(VectorXd extents, ExtentsOf(manifold.constraints()));
-  if (!(options.delta > 0) || extents.size() == 0 || extents.maxCoeff() == 0)
+  if (!(options.delta > 0) || extents.size() == 0 || extents.maxCoeff() == 0) {
     return CoverManifold(manifold, options);
+}
   KnownPoints known(manifold, options, std::move(extents));
   const auto most = static_cast<std::size_t>(std::min<long>(kMostPoints, options.most_evaluations));
   for (std::size_t count = kFirstPoints; count <= most; count *= 2) {

@@ -45,8 +45,9 @@ absl::StatusOr<Eigen::VectorXd> ParallelEvaluator::EvaluateOne(const Eigen::Vect
     return absl::InternalError(
         absl::StrCat("a descriptor has ", value->size(), " numbers, not ", manifold_.dimension()));
   }
-  if (!value->allFinite())
+  if (!value->allFinite()) {
     return absl::InternalError("a descriptor has numbers that are no numbers");
+}
   return value;
 }
 

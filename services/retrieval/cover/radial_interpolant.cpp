@@ -27,8 +27,9 @@ VectorXd TermsAt(const VectorXd& x, Index terms) {
   result.segment(1, x.size()) = x;
   Index next = 1 + x.size();
   if (next == terms) return result;
-  for (Index i = 0; i < x.size(); ++i)
+  for (Index i = 0; i < x.size(); ++i) {
     for (Index j = i; j < x.size(); ++j) result[next++] = x[i] * x[j];
+}
   return result;
 }
 

@@ -73,8 +73,9 @@ class Fit {
     MORTISE_RETURN_IF_ERROR(StartProbes());
     for (int round = 1; round <= kProbeRounds; ++round) ProbeOnce(round == kProbeRounds);
     VectorXd radii = VectorXd::Constant(axes_.cols(), std::numeric_limits<double>::infinity());
-    for (const Probe& probe : probes_)
+    for (const Probe& probe : probes_) {
       radii[probe.axis] = std::min(radii[probe.axis], std::max(site_.delta, probe.reach));
+}
     if (axes_.cols() > 1) MORTISE_RETURN_IF_ERROR(ShrinkBetween(&radii));
     return radii;
   }
@@ -114,16 +115,18 @@ class Fit {
     const auto values = evaluator_.Evaluate(points);
     std::vector<std::optional<VectorXd>> offsets(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (values[i].ok() && evaluator_.manifold().Structure(points[i]) == site_.structure)
+      if (values[i].ok() && evaluator_.manifold().Structure(points[i]) == site_.structure) {
         offsets[i] = *values[i] - site_.value;
+}
     }
     return offsets;
   }
 
   void ProbeOnce(bool last) {
     std::vector<VectorXd> changes;
-    for (const Probe& probe : probes_)
+    for (const Probe& probe : probes_) {
       if (!probe.done) changes.emplace_back(probe.at / probe.way.length * probe.way.change);
+}
     const auto offsets = Offsets(changes);
     std::size_t next = 0;
     for (Probe& probe : probes_) {
@@ -150,8 +153,9 @@ class Fit {
   absl::Status ShrinkBetween(VectorXd* radii) {
     Random random(site_.seed);
     std::vector<VectorXd> directions;
-    for (Index i = 0; i < kPlacesPerAxis * radii->size(); ++i)
+    for (Index i = 0; i < kPlacesPerAxis * radii->size(); ++i) {
       directions.push_back(random.UnitVector(radii->size()));
+}
     for (int round = 0; round < kShrinkRounds; ++round) {
       MORTISE_ASSIGN_OR_RETURN(const double worst, FurthestPlace(directions, *radii));
       if (worst <= site_.delta) return absl::OkStatus();

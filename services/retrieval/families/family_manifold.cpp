@@ -76,8 +76,9 @@ struct Family {
   mutable RecentStructures recent;
 
   const StructureFamily* Find(const parametric::Structure& structure) const {
-    for (const StructureFamily& each : structures)
+    for (const StructureFamily& each : structures) {
       if (each.structure == structure) return &each;
+}
     return nullptr;
   }
 };
@@ -105,8 +106,9 @@ absl::StatusOr<VectorXd> Describe(const Family& family, const VectorXd& q) {
   MORTISE_ASSIGN_OR_RETURN(const SurfaceDesign design, SurfaceAt(*family.function, q));
   if (!design.structure.counts.empty()) family.recent.Add(q, NumberOf(design.structure));
   const StructureFamily* const known = family.Find(design.structure);
-  if (known != nullptr && known->bound && HasVerticesOf(*known, design.surface))
+  if (known != nullptr && known->bound && HasVerticesOf(*known, design.surface)) {
     return known->bound->Describe(design.surface.vertices);
+}
   return family.descriptor->Describe(design.surface);
 }
 
@@ -132,8 +134,9 @@ SurfaceFamily MembersBeside(const Family& family, const StructureFamily& known, 
     VectorXd at = q;
     at(moving) = values;
     MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family.function, at));
-    if (design.structure == known.structure && HasVerticesOf(known, design.surface))
+    if (design.structure == known.structure && HasVerticesOf(known, design.surface)) {
       design.surface.triangles = known.reference.triangles;
+}
     return std::move(design.surface);
   };
   return members;
@@ -148,9 +151,11 @@ absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& 
   if (known == nullptr) return absl::FailedPreconditionError("nothing is bound to this structure");
   const VectorXd steps = DifferenceSteps(extents, 0);
   std::vector<Index> moving;
-  for (Index k = 0; k < q.size(); ++k)
-    if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kLeastStep * steps[k])
+  for (Index k = 0; k < q.size(); ++k) {
+    if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kLeastStep * steps[k]) {
       moving.push_back(k);
+}
+}
   MORTISE_ASSIGN_OR_RETURN(
       const DescriptorDerivatives along,
       DescriptorJacobian(*known->bound, MembersBeside(family, *known, q, moving), q(moving)));

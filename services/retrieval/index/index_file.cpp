@@ -95,8 +95,9 @@ absl::StatusOr<Header> ReadHeader(std::string_view bytes, std::string_view descr
   Header header;
   if (bytes.size() < sizeof(Header)) return Damaged(path, "it is shorter than a header");
   std::memcpy(&header, bytes.data(), sizeof(Header));
-  if (std::string_view(header.magic.data(), header.magic.size()) != kMagic)
+  if (std::string_view(header.magic.data(), header.magic.size()) != kMagic) {
     return Damaged(path, "it does not begin as an index does");
+}
   if (header.version != kIndexVersion) {
     return PreconditionFailed(
         "INDEX_OF_ANOTHER_VERSION",
@@ -105,8 +106,9 @@ absl::StatusOr<Header> ReadHeader(std::string_view bytes, std::string_view descr
         path.string());
   }
   if (header.digest != DigestOf(header)) return Damaged(path, "its header was changed");
-  if (header.header_bytes != sizeof(Header) || header.descriptor.back() != 0)
+  if (header.header_bytes != sizeof(Header) || header.descriptor.back() != 0) {
     return Damaged(path, "its header is none");
+}
   if (header.file_bytes != bytes.size()) {
     return Damaged(path,
                    absl::StrCat("it has ", bytes.size(), " bytes instead of ", header.file_bytes));
@@ -133,9 +135,10 @@ absl::Status CheckSections(const Header& header, std::string_view bytes,
           path, absl::StrCat("its section '", std::string(kSectionNames[i]), "' lies elsewhere"));
     }
     end += section.bytes;
-    if (DigestOf(bytes.substr(section.offset, section.bytes)) != section.digest)
+    if (DigestOf(bytes.substr(section.offset, section.bytes)) != section.digest) {
       return Damaged(path,
                      absl::StrCat("its section '", std::string(kSectionNames[i]), "' was changed"));
+}
   }
   if (end != bytes.size()) return Damaged(path, "something follows its last section");
   return absl::OkStatus();

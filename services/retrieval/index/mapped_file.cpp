@@ -21,8 +21,9 @@ absl::Status Failure(const std::filesystem::path& path) {
   const std::string message = absl::StrCat("cannot read ", path.string(), ": ", strerror(error));
   const ErrorDetail detail{"FILE_FAILED", path.string()};
   if (error == ENOENT) return WithDetail(absl::NotFoundError(message), detail);
-  if (error == EACCES || error == EPERM)
+  if (error == EACCES || error == EPERM) {
     return WithDetail(absl::PermissionDeniedError(message), detail);
+}
   return WithDetail(absl::InternalError(message), detail);
 }
 

@@ -37,8 +37,9 @@ double Subtract(const double* x, const float* center, std::int64_t size, double*
 double Dot(const double* offset, const float* axis, std::int64_t size) {
   Array4d sums = Array4d::Zero();
   std::int64_t i = 0;
-  for (; i + 4 <= size; i += 4)
+  for (; i + 4 <= size; i += 4) {
     sums += Map<const Array4d>(offset + i) * Map<const Array4f>(axis + i).cast<double>();
+}
   double rest = 0;
   for (; i < size; ++i) rest += offset[i] * static_cast<double>(axis[i]);
   return Sum(sums) + rest;

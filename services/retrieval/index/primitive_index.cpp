@@ -44,8 +44,9 @@ class Matches {
 
   bool IsAllowed(std::int32_t family) {
     char& known = allowed_[static_cast<std::size_t>(family)];
-    if (known == kUnknown)
+    if (known == kUnknown) {
       known = query_.allowed(arrays_.families[static_cast<std::size_t>(family)]) ? kYes : kNo;
+}
     return known == kYes;
   }
 
@@ -228,8 +229,9 @@ class Search {
       const PrimitiveEntry& primitive = arrays_.primitives[static_cast<std::size_t>(i)];
       const double bound = BoundAlong(slope, arrays_.drifts[static_cast<std::size_t>(i)], reach);
       if (bound > matches_.Limit()) continue;
-      if (!matches_.IsAllowed(primitive.family) || bound > matches_.Limit(primitive.family))
+      if (!matches_.IsAllowed(primitive.family) || bound > matches_.Limit(primitive.family)) {
         continue;
+}
       Visit(i, turn);
     }
   }
@@ -335,14 +337,17 @@ PrimitiveIndex::PrimitiveIndex(IndexArrays arrays, std::shared_ptr<const void> o
 
 absl::Status PrimitiveIndex::Check(const IndexQuery& query) const {
   if (query.count < 1) return InvalidField("count", "must be at least 1");
-  if (query.descriptors.empty() || query.descriptors.size() > kMostDescriptors)
+  if (query.descriptors.empty() || query.descriptors.size() > kMostDescriptors) {
     return InvalidField("descriptors", "there must be one to four");
+}
   for (std::size_t i = 0; i < query.descriptors.size(); ++i) {
     const std::string name = absl::StrCat("descriptors[", i, "]");
-    if (query.descriptors[i].size() != dimension())
+    if (query.descriptors[i].size() != dimension()) {
       return InvalidField(name, absl::StrCat("must have ", dimension(), " numbers"));
-    if (!query.descriptors[i].allFinite())
+}
+    if (!query.descriptors[i].allFinite()) {
       return InvalidField(name, "has numbers that are not finite");
+}
   }
   return absl::OkStatus();
 }
@@ -362,8 +367,9 @@ absl::StatusOr<std::vector<IndexMatch>> PrimitiveIndex::LinearScan(const IndexQu
   VectorXd offset(dimension());
   for (std::size_t turn = 0; turn < query.descriptors.size(); ++turn) {
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(arrays_.primitives.size()); ++i) {
-      if (matches.IsAllowed(arrays_.primitives[static_cast<std::size_t>(i)].family))
+      if (matches.IsAllowed(arrays_.primitives[static_cast<std::size_t>(i)].family)) {
         matches.Compare(i, static_cast<int>(turn), &offset);
+}
     }
   }
   return matches.Take();

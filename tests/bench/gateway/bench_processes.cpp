@@ -22,8 +22,9 @@ BenchProcess::BenchProcess(const std::vector<std::string>& command) {
   int from_child[2];
   if (pipe2(to_child, O_CLOEXEC) != 0 || pipe2(from_child, O_CLOEXEC) != 0) return;
   std::vector<char*> arguments;
-  for (const std::string& argument : command)
+  for (const std::string& argument : command) {
     arguments.push_back(const_cast<char*>(argument.c_str()));
+}
   arguments.push_back(nullptr);
   pid_ = fork();
   if (pid_ == 0) {

@@ -153,8 +153,9 @@ TEST_F(Manual, EveryCommandDoesWhatItSays) {
 TEST_F(Manual, MarkedBlocksAreFew) {
   int not_run = 0;
   for (const std::string& document : ManualDocuments()) {
-    for (const ManualBlock& block : ReadManual(document))
+    for (const ManualBlock& block : ReadManual(document)) {
       not_run += block.mark == "not-run" ? 1 : 0;
+}
   }
   EXPECT_LE(not_run, 2);
 }

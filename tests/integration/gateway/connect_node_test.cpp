@@ -23,8 +23,9 @@ TEST_F(ConnectNodeTest, TheRealClientIsContent) {
   ASSERT_NE(pipe, nullptr);
   std::string output;
   char buffer[4096];
-  while (const std::size_t size = fread(buffer, 1, sizeof(buffer), pipe))
+  while (const std::size_t size = fread(buffer, 1, sizeof(buffer), pipe)) {
     output.append(buffer, size);
+}
   const int status = pclose(pipe);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << output;
 }

@@ -33,10 +33,12 @@ bool IsTooDeep(std::string_view json) {
   bool is_string = false;
   for (std::size_t i = 0; i < json.size(); ++i) {
     if (is_string) {
-      if (json[i] == '\\')
+      if (json[i] == '\\') {
         ++i;
-      else if (json[i] == '"')
+}
+      else if (json[i] == '"') {
         is_string = false;
+}
     } else if (json[i] == '"') {
       is_string = true;
     } else if (json[i] == '{' || json[i] == '[') {

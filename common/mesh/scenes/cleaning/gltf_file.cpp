@@ -306,8 +306,9 @@ class GltfCleaning {
     } else if (!in.contains("sparse")) {
       return Damaged(absl::StrCat(which, "has no data"));
     }
-    if (in.contains("sparse"))
+    if (in.contains("sparse")) {
       MORTISE_RETURN_IF_ERROR(AddSparse(in["sparse"], count, size, which, out));
+}
     json& all = out_["accessors"];
     all.push_back(std::move(out));
     return Accessor{all.size() - 1, count};

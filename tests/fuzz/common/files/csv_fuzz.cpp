@@ -45,8 +45,9 @@ template <typename Message>
 void CheckPlaces(const mortise::parametric::Placed<Message>& placed,
                  const std::vector<mortise::FieldViolation>& findings) {
   for (const mortise::FieldViolation& finding : findings) {
-    if (mortise::parametric::PlaceOf(placed.place, placed.fields, finding.field).empty())
+    if (mortise::parametric::PlaceOf(placed.place, placed.fields, finding.field).empty()) {
       std::abort();
+}
     if (placed.unread.count(finding.field) != 0) std::abort();
   }
 }

@@ -36,8 +36,9 @@ bool NamesPeer(const Json& rule, const char* side, const Json& labels) {
   for (const Json& entry : rule[side]) {
     const bool of_this_namespace =
         entry.contains("podSelector") && !entry.contains("namespaceSelector");
-    if (of_this_namespace && !labels.is_null() && Selects(entry["podSelector"], labels))
+    if (of_this_namespace && !labels.is_null() && Selects(entry["podSelector"], labels)) {
       return true;
+}
   }
   return false;
 }

@@ -68,8 +68,9 @@ class PodsTest : public ::testing::Test {
     const std::string folder = folder_.path().string();
     std::map<std::string, std::string> here = services_;
     const auto listeners = listeners_.find(pod);
-    if (listeners != listeners_.end())
+    if (listeners != listeners_.end()) {
       here.insert(listeners->second.begin(), listeners->second.end());
+}
     here["/run/mortise/keys"] = folder + "/keys-" + pod;
     here["/run/mortise"] = folder;
     here["/var/lib/mortise"] = folder;

@@ -71,8 +71,9 @@ TEST_F(ShapeServiceTest, KeepsWhatIsDrawnAtAnyParameters) {
     const auto adjusted = Call(*assemblies_, &v1::AssemblyService::Stub::AdjustAssembly, adjust);
     ASSERT_TRUE(adjusted.ok()) << adjusted.status();
     std::string request = "name: 'assemblies/stool' format: STEP ";
-    for (const double q : adjusted->q())
+    for (const double q : adjusted->q()) {
       absl::StrAppend(&request, "q: ", absl::StrFormat("%.17g ", q));
+}
     const auto exported = Export(request);
     ASSERT_TRUE(exported.ok()) << exported.status();
     const auto again = cad::ReadStep(*exported);

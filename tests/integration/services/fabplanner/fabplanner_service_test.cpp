@@ -111,8 +111,9 @@ TEST_F(FabPlannerServiceTest, PlansDesignsThatOutgrowAMessageAndHaveNoStepFile) 
   ASSERT_TRUE(operation.result().UnpackTo(&plan));
   EXPECT_EQ(plan.parts(0).making(), v1::PlannedPart::TO_DRAWING);
   EXPECT_EQ(plan.parts(0).drawings_size(), 2);
-  for (const v1::Artifact& artifact : plan.artifacts())
+  for (const v1::Artifact& artifact : plan.artifacts()) {
     EXPECT_NE(artifact.file_name(), "design.step");
+}
   EXPECT_THAT(plan.handwork(),
               ::testing::Contains(AllOf(HasSubstr("design.step"), HasSubstr("gave up"))));
 }

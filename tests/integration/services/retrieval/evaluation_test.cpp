@@ -37,8 +37,9 @@ Rows ReadTable(const std::filesystem::path& path) {
   Rows rows;
   for (std::size_t r = 1; r < table.rows.size(); ++r) {
     rows.emplace_back();
-    for (std::size_t c = 0; c < table.rows[r].size(); ++c)
+    for (std::size_t c = 0; c < table.rows[r].size(); ++c) {
       rows.back()[table.rows[0][c].text] = table.rows[r][c].text;
+}
   }
   EXPECT_FALSE(rows.empty()) << path;
   return rows;
@@ -142,18 +143,21 @@ TEST_F(EvaluationTest, CountsRightAnswersOfRandomDesigns) {
   EXPECT_EQ(rows.front().at("designs"), "all");
   EXPECT_EQ(NumberOf(rows.front(), "queries"), 4 * 3);
   for (const auto& row : rows) {
-    for (const std::string by : {"d2", "voxel", "light-field"})
+    for (const std::string by : {"d2", "voxel", "light-field"}) {
       ExpectShares(row, {"mean shapes, " + by, "manifolds, " + by});
+}
   }
   EXPECT_GE(NumberOf(rows.front(), "manifolds, light-field"),
             NumberOf(rows.front(), "mean shapes, light-field"));
 }
 
 TEST_F(EvaluationTest, MeasuresCategoriesAndLabelledShapes) {
-  for (const auto& row : ReadTable(File("figure-4-13.csv")))
+  for (const auto& row : ReadTable(File("figure-4-13.csv"))) {
     ExpectShares(row, {"d2, mean shapes", "d2, manifolds", "light-field, manifolds"});
-  for (const auto& row : ReadTable(File("labelled.csv")))
+}
+  for (const auto& row : ReadTable(File("labelled.csv"))) {
     ExpectShares(row, {"nearest neighbour", "first tier"});
+}
   // What a manifold covers is larger than a point of it, and nearer to others.
   for (const auto& row : ReadTable(File("table-4.2.csv"))) {
     EXPECT_LE(NumberOf(row, "between, manifolds"), 1.05 * NumberOf(row, "between, mean shapes"));
@@ -168,8 +172,9 @@ TEST_F(EvaluationTest, MeasuresCategoriesAndLabelledShapes) {
 TEST_F(EvaluationTest, GoesOnWhereItWasAndGivesTheSameAgain) {
   const std::string before = *ReadFile(File("figure-4-10.csv"));
   ASSERT_TRUE(testing::IsOk(Run({})));
-  for (const std::string& figure : FigureNames())
+  for (const std::string& figure : FigureNames()) {
     EXPECT_THAT(*said_, Contains("figure " + figure + " is there already"));
+}
   // Without a figure's page it is made anew, of covers that are kept.
   std::filesystem::remove(File("4-10.md"));
   ASSERT_TRUE(testing::IsOk(Run({"4-10"})));

@@ -92,8 +92,9 @@ class SubTreesTest : public ::testing::Test {
     v1::SearchShapesRequest request;
     request.set_shape_descriptor(v1::VOXEL);
     request.mutable_design()->set_template_(kCart);
-    for (const auto& part : design->parts())
+    for (const auto& part : design->parts()) {
       if (part.name().starts_with(beginning)) request.mutable_design()->add_parts(part.name());
+}
     const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
     return Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request);
   }

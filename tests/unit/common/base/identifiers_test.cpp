@@ -48,8 +48,9 @@ TEST(NewIdentifier, IsUniqueAndSortedOnEveryThread) {
 }
 
 TEST(IsResourceId, AcceptsOnlyLowerCaseDigitsAndInnerHyphens) {
-  for (const char* good : {"a", "table", "board-38x89", "0"})
+  for (const char* good : {"a", "table", "board-38x89", "0"}) {
     EXPECT_TRUE(IsResourceId(good)) << good;
+}
   for (const char* bad : {"", "-a", "a-", "A", "a/b", "a b", "ä", "a..b"}) {
     EXPECT_FALSE(IsResourceId(bad)) << bad;
   }

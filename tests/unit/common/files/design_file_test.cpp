@@ -34,8 +34,9 @@ auto At(const std::string& field, const std::string& message) {
 
 std::string Listed(const std::vector<FieldViolation>& findings) {
   std::string text;
-  for (const FieldViolation& finding : findings)
+  for (const FieldViolation& finding : findings) {
     text += finding.field + ": " + finding.message + "\n";
+}
   return text;
 }
 

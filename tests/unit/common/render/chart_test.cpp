@@ -14,8 +14,9 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 int Count(const std::string& text, const std::string& part) {
   int count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
     ++count;
+}
   return count;
 }
 
@@ -85,8 +86,9 @@ TEST(Chart, LeavesOutWhatALogarithmicAxisCannotShow) {
 
 TEST(Chart, LogarithmicAxesHaveRoundNumbers) {
   const std::string svg = *DrawingSvg(DrawChart({Costs()}));
-  for (const char* number : {">0.01<", ">0.1<", ">1<", ">10<", ">100<", ">1000<"})
+  for (const char* number : {">0.01<", ">0.1<", ">1<", ">10<", ">100<", ">1000<"}) {
     EXPECT_EQ(Count(svg, number), 1) << number;
+}
 }
 
 TEST(Chart, HasRoomForWhatItDraws) {

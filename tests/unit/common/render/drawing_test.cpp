@@ -43,8 +43,9 @@ TEST(Drawing, AsImageOfTheSameShapes) {
     EXPECT_EQ(at(5, 5), (Color{1, 1, 1}));
     // Of the area of each, what is covered: within a pixel along its rim.
     int blue = 0;
-    for (int y = 0; y < image.height; ++y)
+    for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) blue += image.Get(x, y) == kBlue ? 1 : 0;
+}
     EXPECT_NEAR(blue / std::pow(scale, 2), M_PI * 225, 2 * M_PI * 15);
   }
 }

@@ -94,8 +94,9 @@ render::ChartPanel PanelOf(const Descriptor& by, const std::vector<Accuracy>& me
   render::ChartSeries coverage{.name = "coverage error", .color = render::PartColor(0)};
   render::ChartSeries fitting{.name = "fitting error", .color = render::PartColor(1)};
   for (const Accuracy& each : measured) {
-    for (render::ChartSeries* series : {&bound, &coverage, &fitting})
+    for (render::ChartSeries* series : {&bound, &coverage, &fitting}) {
       series->x.push_back(each.delta);
+}
     bound.y.push_back(each.delta);
     coverage.y.push_back(each.coverage);
     fitting.y.push_back(each.fitting);

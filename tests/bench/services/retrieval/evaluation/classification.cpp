@@ -25,10 +25,12 @@ constexpr std::array<int, 6> kThesisModels{17, 11, 15, 9, 10, 15};  // Table 4.1
 // The categories that families have, those of the thesis first.
 std::vector<std::string> CategoriesOf(const Study& study) {
   std::vector<std::string> categories;
-  for (const std::string& category : ThesisCategories())
+  for (const std::string& category : ThesisCategories()) {
     if (std::ranges::any_of(study.families(),
-                            [&](const auto& each) { return each.category == category; }))
+                            [&](const auto& each) { return each.category == category; })) {
       categories.push_back(category);
+}
+}
   return categories;
 }
 
@@ -71,8 +73,9 @@ struct Curve {
   int queries = 0;
 
   void Add(const std::vector<double>& of_query) {
-    for (std::size_t i = 0; i < of_query.size(); ++i)
+    for (std::size_t i = 0; i < of_query.size(); ++i) {
       precisions[i] += (of_query[i] - precisions[i]) / (queries + 1);
+}
     ++queries;
   }
 };
@@ -93,9 +96,10 @@ absl::StatusOr<Curves> MeasureCurves(const Study& study, const PrimitiveIndex& i
         study.Search(index, descriptor, vectors[i], static_cast<int>(study.families().size()),
                      FamiliesFor(study, shape, strictness)));
     std::vector<char> relevant;
-    for (const IndexMatch& match : ranked)
+    for (const IndexMatch& match : ranked) {
       relevant.push_back(study.families()[static_cast<std::size_t>(match.family)].category ==
                          shape.category);
+}
     if (std::ranges::count(relevant, 1) == 0) continue;
     const std::vector<double> precisions = InterpolatedPrecisions(relevant, kRecalls);
     curves["all"].Add(precisions);
@@ -182,8 +186,9 @@ absl::Status WritePrecision(Study& study, ResultFolder& results) {
     for (const auto& [group, curve] : curves(ways.front())) {
       std::vector<std::string> row{strict ? absl::StrCat(group, ", other authors") : group,
                                    absl::StrCat(curve.queries)};
-      for (const Way& way : ways)
+      for (const Way& way : ways) {
         row.push_back(TablePercent(AveragePrecision(curves(way).at(group))));
+}
       table.rows.push_back(std::move(row));
     }
   }
@@ -207,9 +212,10 @@ Points PointsOf(const EvaluationFamily& family, const std::vector<Primitive>& pr
   const std::size_t count = std::min(kPointsAFamily, primitives.size());
   Points points{family.category, {}};
   points.vectors.resize(primitives.front().center.size(), static_cast<Eigen::Index>(count));
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i) {
     points.vectors.col(static_cast<Eigen::Index>(i)) =
         primitives[i * primitives.size() / count].center;
+}
   return points;
 }
 
@@ -219,8 +225,9 @@ std::pair<double, double> Distances(const Descriptor& by, const Points& a, const
   for (const auto& point : a.vectors.colwise()) {
     Eigen::ArrayXd nearest = Eigen::ArrayXd::Constant(b.vectors.cols(), 1e300);
     const Eigen::MatrixXd turns = by.QuarterTurns(point);
-    for (const auto& turn : turns.colwise())
+    for (const auto& turn : turns.colwise()) {
       nearest = nearest.min((b.vectors.colwise() - turn).colwise().norm().transpose().array());
+}
     least = std::min(least, nearest.minCoeff());
     most = std::max(most, nearest.maxCoeff());
   }
@@ -240,8 +247,9 @@ Spread SpreadOf(const Study& study, const Descriptor& by, const std::vector<Poin
     for (std::size_t k = 0; k <= i; ++k) {
       const auto& [first, second] = std::minmax(points[i].category, points[k].category);
       if (std::ranges::find(categories, first) == categories.end() ||
-          std::ranges::find(categories, second) == categories.end())
+          std::ranges::find(categories, second) == categories.end()) {
         continue;
+}
       const auto [nearest, furthest] = Distances(by, points[i], points[k]);
       if (first == second) {
         size[first] = std::max(size[first], furthest);
@@ -335,8 +343,9 @@ Eigen::MatrixXd PairDistances(const Study& study, const Descriptor& by,
   ParallelFor(static_cast<int>(count), study.settings().threads, [&](int i) {
     Eigen::RowVectorXd nearest = Eigen::RowVectorXd::Constant(count, 1e300);
     const Eigen::MatrixXd turns = by.QuarterTurns(all.col(i));
-    for (const auto& turn : turns.colwise())
+    for (const auto& turn : turns.colwise()) {
       nearest = nearest.cwiseMin((all.colwise() - turn).colwise().norm());
+}
     distances.row(i) = nearest;
   });
   return distances;
@@ -348,8 +357,9 @@ Counted CountAmong(const Study& study, const Eigen::MatrixXd& distances, Among a
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     std::vector<std::pair<double, bool>> others;  // distance, whether of the category
     for (std::size_t k = 0; k < shapes.size(); ++k) {
-      if (k == i || (among == Among::kOtherAuthors && shapes[k].author == shapes[i].author))
+      if (k == i || (among == Among::kOtherAuthors && shapes[k].author == shapes[i].author)) {
         continue;
+}
       others.emplace_back(distances(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)),
                           shapes[k].category == shapes[i].category);
     }

@@ -187,8 +187,9 @@ absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shape
   for (const bench::LabelledMesh& mesh : meshes) {
     if (mesh.category != category) continue;
     absl::StatusOr<EvaluationFamily> family = FamilyOf(mesh, shapes, options);
-    if (family.ok() && family->function->parameters().size() == options.most_parameters)
+    if (family.ok() && family->function->parameters().size() == options.most_parameters) {
       return family;
+}
   }
   return absl::NotFoundError(absl::StrCat("no ", category, " has ", parameters, " sizes"));
 }

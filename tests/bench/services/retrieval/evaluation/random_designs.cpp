@@ -36,9 +36,11 @@ std::vector<Query> Queries(const Study& study, int of_each, std::uint64_t seed) 
     designs[at] = RandomDesigns(families[at], of_each, seed + at);
   });
   std::vector<Query> queries;
-  for (std::size_t i = 0; i < designs.size(); ++i)
-    for (RandomDesign& design : designs[i])
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    for (RandomDesign& design : designs[i]) {
       queries.push_back({static_cast<int>(i), std::move(design)});
+}
+}
   return queries;
 }
 
@@ -177,8 +179,9 @@ namespace {
 absl::StatusOr<PrimitiveIndex> NaiveIndex(const Study& study, std::size_t descriptor,
                                           const std::vector<FamilyCover>& covers) {
   long cost = 0;
-  for (const FamilyCover& cover : covers)
+  for (const FamilyCover& cover : covers) {
     for (const Primitive& primitive : cover.primitives) cost += Cost(primitive);
+}
   const auto& families = study.families();
   const int each = std::max(1, static_cast<int>(cost / static_cast<long>(families.size())));
   std::vector<FamilyCover> naive(families.size());
@@ -219,8 +222,9 @@ absl::StatusOr<std::map<std::string, double>> WorstErrors(const Study& study,
                              }));
     if (right.empty()) continue;
     const double error = right[0].distance - nearest[0].distance;
-    for (const std::string& group : {std::string("all"), own.category})
+    for (const std::string& group : {std::string("all"), own.category}) {
       worst[group] = std::max(worst[group], error);
+}
   }
   return worst;
 }
@@ -278,9 +282,10 @@ absl::Status WriteNaiveSampling(Study& study, ResultFolder& results) {
       MORTISE_ASSIGN_OR_RETURN(each.ours, WorstErrors(study, d, *index, queries, vectors));
       MORTISE_ASSIGN_OR_RETURN(const PrimitiveIndex naive, NaiveIndex(study, d, *covers));
       MORTISE_ASSIGN_OR_RETURN(each.naive, WorstErrors(study, d, naive, queries, vectors));
-      for (const auto& [group, error] : each.ours)
+      for (const auto& [group, error] : each.ours) {
         table.rows.push_back({by.properties().name, TableNumber(each.delta), group,
                               TableNumber(error), TableNumber(each.naive[group])});
+}
       compared.push_back(std::move(each));
     }
     MORTISE_RETURN_IF_ERROR(results.Add(

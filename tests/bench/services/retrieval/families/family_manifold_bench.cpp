@@ -59,8 +59,9 @@ void BM_Evaluation(benchmark::State& state, const v1::TemplateBundle& bundle) {
       const auto samples = (*manifold)->Sample(kSamples, 1);
       if (!samples.ok()) return state.SkipWithError(samples.status().ToString().c_str());
       std::vector<Eigen::VectorXd> made;
-      for (const Eigen::VectorXd& q : *samples)
+      for (const Eigen::VectorXd& q : *samples) {
         if (function->StructureAt(q).ok()) made.push_back(q);
+}
       state.counters["failed"] = static_cast<double>(samples->size() - made.size());
       if (made.size() > kTimed) made.resize(kTimed);
       state.counters[name] = TimeOf(made, [&](const Eigen::VectorXd& q) {
@@ -118,10 +119,12 @@ void RegisterAll() {
           ->Unit(benchmark::kMillisecond);
     }
   };
-  for (const v1::Template& each : templates::ShippedCollection().templates)
+  for (const v1::Template& each : templates::ShippedCollection().templates) {
     add(each.name(), WithAssembly(templates::ShippedTemplate(each.name())));
-  for (const v1::Assembly& each : templates::ShippedCollection().assemblies)
+}
+  for (const v1::Assembly& each : templates::ShippedCollection().assemblies) {
     add(each.name(), templates::ShippedAssembly(each.name()));
+}
 }
 
 }  // namespace

@@ -48,8 +48,9 @@ void Dragging(benchmark::State& state, const std::string& name) {
     if (!model.ok()) return state.SkipWithError("no model");
     state.counters["geometry_s"] = SecondsSince(start);
     const auto analysis = AnalyzeDesign(*model, {"max_von_mises"}, false, options);
-    if (!analysis.ok())
+    if (!analysis.ok()) {
       return state.SkipWithError(std::string(analysis.status().message()).c_str());
+}
     const ElasticitySummary& summary = analysis->cases[0].solution.summary;
     state.counters["elements"] = summary.elements;
     state.counters["unknowns"] = summary.solver.unknowns;

@@ -140,10 +140,12 @@ TEST(FeasibleSetTest, ArticulatedPartsKeepTheirRelationshipsInEveryRestPose) {
       std::vector<BoundingBox> boxes(chest.elements.size());
       for (const PosedPosition& position : PositionsIn(pose, chest.assembly, chest.elements)) {
         BoundingBox& box = boxes[static_cast<std::size_t>(position.element)];
-        if (position.is_minimum)
+        if (position.is_minimum) {
           box.minimum[static_cast<int>(position.axis)] = position.position.At(q);
-        if (position.is_maximum)
+}
+        if (position.is_maximum) {
           box.maximum[static_cast<int>(position.axis)] = position.position.At(q);
+}
       }
       for (std::size_t e = 0; e < boxes.size(); ++e) {
         if (static_cast<int>(e) == lid) continue;

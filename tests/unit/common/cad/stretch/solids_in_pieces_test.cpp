@@ -116,8 +116,9 @@ double VolumeRead(const Solid& solid) {
   EXPECT_TRUE(read.ok()) << read.status();
   double volume = 0;
   if (read.ok()) {
-    for (const auto& product : read->products)
+    for (const auto& product : read->products) {
       volume += product.solid ? product.solid->Volume() : 0;
+}
   }
   return volume;
 }

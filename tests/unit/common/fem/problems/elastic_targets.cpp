@@ -203,8 +203,9 @@ TargetAnswer TaperedSphere(int n, bool quadratic) {
   std::vector<double> along{0};
   const auto divide = [&along](double end, const std::vector<double>& ticks) {
     const double begin = along.back();
-    for (std::size_t k = 1; k < ticks.size(); ++k)
+    for (std::size_t k = 1; k < ticks.size(); ++k) {
       along.push_back(begin + (end - begin) * ticks[k]);
+}
   };
   divide(0.25, Ticks(4 * n, 6));
   for (const double end : {0.5, 0.75, 1.0}) divide(end, Ticks(n));

@@ -247,8 +247,9 @@ TEST(CageModel, FindsAllFaultsAtOnce) {
 TEST(CageModel, RefusesWhatIsTooLarge) {
   const auto fields_of = [](const CageTemplate& definition) {
     std::vector<std::string> fields;
-    for (const FieldViolation& finding : ValidateCageTemplate(definition))
+    for (const FieldViolation& finding : ValidateCageTemplate(definition)) {
       fields.push_back(finding.field);
+}
     return fields;
   };
   CageTemplate definition = Block();

@@ -220,8 +220,9 @@ class CollectionLoaderTest : public ::testing::Test {
                   store::ListOptions all;
                   MORTISE_ASSIGN_OR_RETURN(const auto marks, transaction.List("shipped", all));
                   EXPECT_FALSE(marks.empty());
-                  for (const store::Record& mark : marks)
+                  for (const store::Record& mark : marks) {
                     MORTISE_RETURN_IF_ERROR(transaction.Delete("shipped", mark.key));
+}
                   return absl::OkStatus();
                 }).ok());
   }

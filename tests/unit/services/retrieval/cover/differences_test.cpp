@@ -17,8 +17,9 @@ using Eigen::VectorXd;
 FunctionManifold Sine() {
   return FunctionManifold(testing::Over(VectorXd::Zero(1), VectorXd::Ones(1), 1,
                                         [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
-                                          if (q[0] < 0 || q[0] > 1)
+                                          if (q[0] < 0 || q[0] > 1) {
                                             return absl::InvalidArgumentError("outside");
+}
                                           return VectorXd(VectorXd::Constant(1, std::sin(q[0])));
                                         }));
 }
@@ -69,8 +70,9 @@ TEST(Differences, TakeLongerStepsWhereThereIsNoise) {
 TEST(Differences, FailWhereANeighbourCannotBeEvaluated) {
   FunctionManifold manifold(testing::Over(VectorXd::Zero(1), VectorXd::Ones(1), 1,
                                           [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
-                                            if (q[0] > 0.5)
+                                            if (q[0] > 0.5) {
                                               return absl::InternalError("the shelf meets the top");
+}
                                             return VectorXd(q);
                                           }));
   ParallelEvaluator evaluator(manifold, 1);

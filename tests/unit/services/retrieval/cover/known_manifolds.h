@@ -88,8 +88,9 @@ class ToyFamily {
   // (5), and a back with a height and a lean (7).
   explicit ToyFamily(int parameters) : parameters_(parameters) {
     AddTop();
-    for (const double x : {-0.45, 0.45})
+    for (const double x : {-0.45, 0.45}) {
       for (const double y : {-0.45, 0.45}) AddLeg(x, y);
+}
     if (parameters >= 5) AddShelf();
     if (parameters >= 7) AddBack();
   }
@@ -101,11 +102,12 @@ class ToyFamily {
     for (const auto& map : points_) points.emplace_back(map * q);
     std::vector<double> distances;
     double mean = 0;
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t i = 0; i < points.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
         distances.push_back((points[i] - points[k]).norm());
         mean += distances.back();
       }
+}
     mean /= static_cast<double>(distances.size());
     return Histogram(distances, mean);
   }
@@ -125,8 +127,9 @@ class ToyFamily {
   static Eigen::VectorXd Histogram(const std::vector<double>& distances, double mean) {
     Eigen::ArrayXd means = Eigen::ArrayXd::LinSpaced(kKernels, 0, 3);
     Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(kKernels);
-    for (const double distance : distances)
+    for (const double distance : distances) {
       sums += (-(means - distance / mean).square() / (2 * 0.1 * 0.1)).exp();
+}
     return sums.matrix() / static_cast<double>(distances.size());
   }
 
@@ -140,8 +143,9 @@ class ToyFamily {
   }
 
   void AddTop() {
-    for (int i = -2; i <= 2; ++i)
+    for (int i = -2; i <= 2; ++i) {
       for (int k = -2; k <= 2; ++k) points_.push_back(At(0.25 * i, 0.25 * k, 1));
+}
   }
 
   void AddLeg(double x, double y) {
@@ -149,23 +153,25 @@ class ToyFamily {
   }
 
   void AddShelf() {
-    for (int i = -1; i <= 1; ++i)
+    for (int i = -1; i <= 1; ++i) {
       for (int k = -1; k <= 1; ++k) {
         PointMap map = At(0, 0.4 * k, 0);
         map(0, 3) = 0.3 * i;
         map(2, 4) = 0.3;
         points_.push_back(map);
       }
+}
   }
 
   void AddBack() {
-    for (int i = -2; i <= 2; ++i)
+    for (int i = -2; i <= 2; ++i) {
       for (int k = 1; k <= 4; ++k) {
         PointMap map = At(0.25 * i, 0.5, 1);
         map(2, 5) = 0.25 * k;
         map(1, 6) = 0.1 * k;
         points_.push_back(map);
       }
+}
   }
 
   int parameters_;
