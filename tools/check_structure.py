@@ -4,7 +4,8 @@
 - Includes follow the arrows drawn in docs/architecture.md (the block marked `arrows`), no two folders
   include each other by any way, and no service, door or command includes another.
 - Only the folders of the block marked `messages` include gRPC, protobuf and generated messages.
-- Headers in a folder `internal/` are included by their own library alone.
+- Only common/store includes SQLite and PostgreSQL.
+- Headers that say "Private to this folder" are included by their folder, and its tests, alone.
 - A folder has at most 45 files, a hand-written source at most 500 lines, a function at most 60.
 - Every source has its test at its mirrored path, tests/unit/<path>_test.cpp, or stands in
   tests/tested_elsewhere.txt with the test that tests it.
@@ -132,12 +133,24 @@ def message_faults(sources, folders):
             yield f"{name}: knows messages ({known.group(0)}), which its folder should not"
 
 
-def internal_faults(sources):
+def sql_faults(sources):
     for name in sources:
-        for header in re.findall(r'^#include "([^"]+/internal/[^"]+)"', open(name, encoding="utf-8").read(), re.M):
-            library = header.split("/internal/")[0]
-            if os.path.dirname(name) not in (library, library + "/internal"):
-                yield f"{name}: includes {header}, which is private to {library}"
+        text = open(name, encoding="utf-8").read()
+        if os.path.dirname(name) != "common/store" and re.search(r"^#include [<\"](sqlite3|libpq)", text, re.M):
+            yield f"{name}: knows SQL, which only common/store should"
+
+
+def private_faults(sources):
+    def says_private(name):
+        first = open(name, encoding="utf-8").read().split("#pragma once")[0]
+        return "Private to this folder" in re.sub(r"\n//", "", first)
+
+    private = {name for name in sources if name.endswith(".h") and says_private(name)}
+    for name in sources:
+        folder = os.path.dirname(name)
+        for header in re.findall(r'^#include "([^"]+)"', open(name, encoding="utf-8").read(), re.M):
+            if header in private and os.path.dirname(header) != folder.removeprefix("tests/unit/"):
+                yield f"{name}: includes {header}, which is private to its folder"
 
 
 def long_functions(text):
@@ -212,7 +225,8 @@ def main():
     written = [name for name in files if is_source(name)]
     arrows = read_arrows()
     edges = read_includes(sources)
-    faults = list(arrow_faults(edges, arrows)) + cycle_faults(edges) + list(internal_faults(written))
+    faults = list(arrow_faults(edges, arrows)) + cycle_faults(edges) + list(private_faults(written))
+    faults += list(sql_faults(sources))
     faults += list(message_faults(sources, read_block("messages").split()))
     faults += list(test_faults(files))
     exceptions = read_table("tools/structure_exceptions.txt")
@@ -220,6 +234,9 @@ def main():
     faults += [f"{place}: {fault}" for place, fault in too_long.items() if place not in exceptions]
     faults += [f"tools/structure_exceptions.txt: '{place}' is no longer needed" for place in exceptions
                if place not in too_long]
+    for place, reason in exceptions.items():
+        if place in too_long:
+            print(f"{place} {too_long[place]}: {reason}", file=sys.stderr)
     for fault in faults:
         print(fault)
     print(f"{len(sources)} sources, {len(exceptions)} that may be longer, {len(faults)} faults")

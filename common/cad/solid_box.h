@@ -1,4 +1,4 @@
-// Finds the smallest box that holds a solid. Private to this folder: it brings Open CASCADE.
+// Finds the smallest box that holds a solid. For cad alone: it brings Open CASCADE.
 #pragma once
 
 #include <Eigen/Core>

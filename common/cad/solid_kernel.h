@@ -1,4 +1,4 @@
-// The kernel's side of a solid. Private to this folder: it brings Open CASCADE's headers.
+// The kernel's side of a solid. It brings Open CASCADE's headers: for cad and features alone.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // Says where points of a drawn solid go when it is stretched along the axes, in proportion or in
-// pieces between levels (mesh/shapes/box_stretch.h). Private to this folder.
+// pieces between levels (mesh/shapes/box_stretch.h). For cad alone.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Joins the kernel's triangulations of faces at what the faces share. Private to this folder: it
+// Joins the kernel's triangulations of faces at what the faces share. For cad alone: it
 // brings Open CASCADE.
 #pragma once
 

@@ -1,5 +1,5 @@
-// The compiled form of a template: parsed expressions and resolved references. Private to the
-// evaluation files of this folder.
+// The compiled form of a template: parsed expressions and resolved references. For what
+// evaluates them, here and in assemblies.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Finds what can be seen to be wrong with a template without evaluating it. Private to this folder;
-// template_validation.h is the door.
+// Finds what can be seen to be wrong with a template without evaluating it. For those
+// who read templates; template_validation.h is the door.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Axes and processes between structs and messages. Private to the codec files.
+// Axes and processes between structs and messages. For codecs alone.
 #pragma once
 
 #include <string>

@@ -139,7 +139,7 @@ absl::Status LabelCategories(const fs::path& file, Collection& collection) {
   }
   for (FieldViolation& finding : findings) {
     finding.field = absl::StrCat(file.string(), ": ", finding.field);
-}
+  }
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   for (v1::Template& message : collection.templates) {
     const auto category = categories.find(message.name());

@@ -1,4 +1,4 @@
-// Digests of messages, the same on every machine and in every process. Private to the codec files.
+// Digests of messages, the same on every machine and in every process.
 #pragma once
 
 #include <google/protobuf/message.h>

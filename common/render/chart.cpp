@@ -34,7 +34,7 @@ std::vector<double> LogarithmicTicks(const AxisSpan& span) {
       const double tick = factor * std::pow(10, power);
       if (tick >= span.least * (1 - kRounding) && tick <= span.most * (1 + kRounding)) {
         ticks.push_back(tick);
-}
+      }
     }
   }
   return ticks.size() >= 2 ? ticks : std::vector<double>{span.least, span.most};
@@ -197,10 +197,10 @@ Drawing DrawChart(const std::vector<ChartPanel>& panels, const ChartLayout& layo
       const Vector2d begin(x, y - 4), end(x + kKeyWidth - 8, y - 4);
       if (series.line_width > 0) {
         drawing.Add(Drawing::Line{{begin, end}, series.color, series.line_width});
-}
+      }
       if (series.dot_radius > 0) {
         drawing.Add(Drawing::Disc{(begin + end) / 2, series.dot_radius, series.color});
-}
+      }
       Write(drawing, {x + kKeyWidth, y}, series.name);
       x += LegendWidth(series);
     }

@@ -27,10 +27,10 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 absl::Status Check(const Drawing& drawing) {
   if (drawing.width() < 16 || drawing.width() > 10000) {
     return InvalidField("drawing.width", "must be within 16 to 10000");
-}
+  }
   if (drawing.height() < 16 || drawing.height() > 10000) {
     return InvalidField("drawing.height", "must be within 16 to 10000");
-}
+  }
   const auto finite = [](const Points& points) {
     return std::ranges::all_of(points, [](const Eigen::Vector2d& p) { return p.allFinite(); });
   };
@@ -45,8 +45,8 @@ absl::Status Check(const Drawing& drawing) {
   for (const Drawing::Text& text : drawing.texts()) {
     if (!text.position.allFinite()) {
       return InvalidField("drawing", "a coordinate is not a finite number");
-}
-}
+    }
+  }
   return absl::OkStatus();
 }
 
@@ -120,7 +120,7 @@ class Samples {
     Image reduced(image_.width / kSamples, image_.height / kSamples, {1, 1, 1});
     for (int y = 0; y < reduced.height; ++y) {
       for (int x = 0; x < reduced.width; ++x) Average(x, y, reduced);
-}
+    }
     return reduced;
   }
 
@@ -132,8 +132,8 @@ class Samples {
         for (int i = 0; i < kSamples; ++i) {
           sum += image_.pixels[3 * Index(kSamples * x + i, kSamples * y + j, image_.width) +
                                static_cast<std::size_t>(channel)];
-}
-}
+        }
+      }
       reduced.pixels[3 * Index(x, y, reduced.width) + static_cast<std::size_t>(channel)] =
           static_cast<std::uint8_t>(sum / (kSamples * kSamples));
     }
@@ -181,7 +181,7 @@ class Samples {
       std::ranges::sort(crossings);
       for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
         FillRow(row, crossings[i], crossings[i + 1], color);
-}
+      }
     });
   }
 
@@ -200,7 +200,7 @@ absl::StatusOr<std::string> DrawingSvg(const Drawing& drawing) {
       drawing.width(), drawing.height(), drawing.width(), drawing.height());
   for (const auto& mark : drawing.marks()) {
     svg += std::visit([](const auto& one) { return MarkSvg(one); }, mark);
-}
+  }
   for (const Drawing::Text& text : drawing.texts()) svg += TextSvg(text);
   return svg + "</svg>\n";
 }
@@ -211,7 +211,7 @@ absl::StatusOr<Image> DrawingImage(const Drawing& drawing, int scale) {
   Samples samples(drawing.width(), drawing.height(), scale * kSamples);
   for (const auto& mark : drawing.marks()) {
     std::visit([&](const auto& one) { samples.Draw(one); }, mark);
-}
+  }
   Image image = samples.Reduced();
   for (const Drawing::Text& text : drawing.texts()) {
     const double capital = kCapital * text.size * scale;
@@ -233,7 +233,7 @@ std::string Shortened(const std::string& text, double size, double width) {
     // Not within a character of several bytes.
     while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0x80) {
       kept.pop_back();
-}
+    }
     if (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0xC0) kept.pop_back();
   } while (!kept.empty() && TextWidth(kCapital * size, absl::StrCat(kept, "..")) > width);
   return absl::StrCat(kept, "..");

@@ -86,7 +86,7 @@ TEST_F(HouseTest, AnyMethodCanBeCalled) {
   const Json house = Ask({"call", "mortise.v1.GatewayService/GetHouse"});
   for (const Json& service : house["services"]) {
     EXPECT_TRUE(service["healthy"].get<bool>()) << service;
-}
+  }
 }
 
 TEST_F(HouseTest, TableIsEvaluatedAtParameters) {

@@ -102,7 +102,7 @@ class RayShooting {
     std::vector<Index> kept;
     for (Index i = 0; i < rows.rows(); ++i) {
       if (!rows.row(i).isZero(0)) kept.push_back(i);
-}
+    }
     MORTISE_ASSIGN_OR_RETURN(LinearProgramme programme,
                              LinearProgramme::Create(rows(kept, Eigen::all), room_(kept)));
     MORTISE_ASSIGN_OR_RETURN(const auto end,

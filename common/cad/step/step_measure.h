@@ -1,4 +1,4 @@
-// Measures solids of STEP files. Private to this folder: it brings Open CASCADE.
+// Measures solids of STEP files. For cad alone: it brings Open CASCADE.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
-// Cuts open faces that close on themselves, as those of balls, rings and some splines do. Private
-// to this folder: it brings Open CASCADE.
+// Cuts open faces that close on themselves, as those of balls, rings and some splines do. For
+// cad alone: it brings Open CASCADE.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

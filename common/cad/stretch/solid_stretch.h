@@ -1,4 +1,4 @@
-// Stretches solids along the axes. Private to this folder: it brings Open CASCADE.
+// Stretches solids along the axes. For cad alone: it brings Open CASCADE.
 #pragma once
 
 #include <TopoDS_Shape.hxx>

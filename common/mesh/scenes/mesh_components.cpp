@@ -132,7 +132,7 @@ Eigen::VectorXi WeldEqual(const Eigen::Matrix3Xd& points) {
     // Adding 0 makes 0 of -0.
     for (int k = 0; k < 3; ++k) {
       key[static_cast<std::size_t>(k)] = std::bit_cast<std::int64_t>(points(k, i) + 0.0);
-}
+    }
     place_of(i) = places.Add(key);
   }
   return place_of;

@@ -18,7 +18,7 @@ namespace {
 absl::Status OfFile(const absl::Status& status) {
   if (absl::IsResourceExhausted(status)) {
     return TooLarge("file", "64 MiB unpacked, or 50,000 triangles");
-}
+  }
   if (!absl::IsInvalidArgument(status)) return status;
   std::vector<FieldViolation> violations = AllViolationsOf(status);
   for (FieldViolation& violation : violations) violation.field = "file";

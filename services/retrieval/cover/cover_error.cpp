@@ -36,7 +36,7 @@ absl::StatusOr<std::vector<Known>> KnownPoints(const Manifold& manifold,
   std::vector<Known> known;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (values[i].ok()) known.push_back({points[i], *values[i], manifold.Structure(points[i])});
-}
+  }
   return known;
 }
 
@@ -82,7 +82,7 @@ class NearestSearch {
     const auto values = evaluator_.Evaluate({point});
     if (!values[0].ok() || evaluator_.manifold().Structure(point) != structure_) {
       return std::nullopt;
-}
+    }
     return Known{point, *values[0], structure_};
   }
 
@@ -124,8 +124,8 @@ absl::StatusOr<std::vector<double>> CoverageErrors(const Manifold& manifold,
     for (const Primitive& primitive : primitives) {
       if (primitive.structure == point.structure && DistanceBound(primitive, point.value) < error) {
         error = std::min(error, Distance(primitive, point.value));
-}
-}
+      }
+    }
   });
   std::sort(errors.begin(), errors.end());
   return errors;
@@ -137,7 +137,7 @@ absl::StatusOr<std::vector<double>> FittingErrors(const Manifold& manifold,
   std::vector<const Primitive*> tangents;
   for (const Primitive& primitive : primitives) {
     if (primitive.axes.cols() > 0) tangents.push_back(&primitive);
-}
+  }
   if (tangents.empty()) return std::vector<double>{};
   MORTISE_ASSIGN_OR_RETURN(const VectorXd extents, ExtentsOf(manifold.constraints()));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<Known> known, KnownPoints(manifold, sampling));
@@ -153,7 +153,7 @@ absl::StatusOr<std::vector<double>> FittingErrors(const Manifold& manifold,
     error = search.DistanceFrom({primitive.parameters, primitive.center, primitive.structure});
     if (const Known* start = NearestKnown(known, place, primitive.structure)) {
       error = std::min(error, search.DistanceFrom(*start));
-}
+    }
   });
   std::sort(errors.begin(), errors.end());
   return errors;

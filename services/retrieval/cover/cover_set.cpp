@@ -15,7 +15,7 @@ CoverSet::Keys CoverSet::KeysOf(const Eigen::VectorXd& x) const {
   Keys keys{};
   for (std::size_t i = 0; i < std::min(kPivots, primitives_.size()); ++i) {
     keys[i] = (x - primitives_[i].center).norm();
-}
+  }
   return keys;
 }
 
@@ -40,7 +40,7 @@ bool CoverSet::Covers(const Eigen::VectorXd& x, int structure, double delta,
     bool possible = true;
     for (std::size_t k = 0; k < kPivots && possible; ++k) {
       possible = std::abs(keys[k] - keys_[i][k]) <= within + kRounding * (within + keys[k]);
-}
+    }
     if (possible && Distance(primitives_[i], x) <= delta) return true;
   }
   return false;

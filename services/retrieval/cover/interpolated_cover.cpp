@@ -61,7 +61,7 @@ class KnownPoints {
       });
       if (has_enough || TooManyFail() || evaluator_.evaluations() >= options_.most_evaluations) {
         break;
-}
+      }
     }
     return absl::OkStatus();
   }
@@ -142,13 +142,13 @@ std::optional<Subspace> LeadingComponents(const KnownPoints& known, double most)
   std::vector<const VectorXd*> all;
   for (const auto& [structure, points] : known.points()) {
     for (const KnownPoint& point : points) all.push_back(&point.value);
-}
+  }
   if (all.empty()) return std::nullopt;
   const std::size_t count = std::min(all.size(), kComponentPoints);
   MatrixXd some(all.front()->size(), static_cast<Index>(count));
   for (std::size_t i = 0; i < count; ++i) {
     some.col(static_cast<Index>(i)) = *all[i * all.size() / count];
-}
+  }
   Subspace space{some.rowwise().mean(), {}};
   some.colwise() -= space.middle;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(some.transpose() * some);
@@ -188,7 +188,7 @@ Interpolants Interpolate(const KnownPoints& known, const Subspace& space, double
     std::sort(errors.begin(), errors.end());
     if (Quantile(errors, kErrorQuantile) <= most) {
       interpolants.emplace(structure, *std::move(interpolant));
-}
+    }
   }
   return interpolants;
 }
@@ -197,7 +197,7 @@ double PartWithout(const KnownPoints& known, const Interpolants& interpolants) {
   double part = 0;
   for (const auto& [structure, points] : known.points()) {
     if (!interpolants.contains(structure)) part += known.PartOf(structure);
-}
+  }
   return part;
 }
 
@@ -302,7 +302,7 @@ absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const Cover
   MORTISE_ASSIGN_OR_RETURN(VectorXd extents, ExtentsOf(manifold.constraints()));
   if (!(options.delta > 0) || extents.size() == 0 || extents.maxCoeff() == 0) {
     return CoverManifold(manifold, options);
-}
+  }
   KnownPoints known(manifold, options, std::move(extents));
   const auto most = static_cast<std::size_t>(std::min<long>(kMostPoints, options.most_evaluations));
   for (std::size_t count = kFirstPoints; count <= most; count *= 2) {

@@ -40,7 +40,7 @@ double RoomAlong(const LinearConstraints& constraints, const VectorXd& q,
   double room = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < rates.size(); ++i) {
     if (rates[i] > 0) room = std::min(room, std::max(0.0, slacks[i]) / rates[i]);
-}
+  }
   return room;
 }
 

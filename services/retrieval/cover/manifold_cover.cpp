@@ -86,10 +86,10 @@ class PrimitiveMaker {
                                                       DifferenceSteps(extents_, manifold.noise()));
     if (manifold.OffersDerivatives() && derivatives.ok()) {
       evaluator_.CountOthers(derivatives->evaluations);
-}
+    }
     if (!derivatives.ok() || !derivatives->first.allFinite() || !derivatives->second.allFinite()) {
       return false;
-}
+    }
     const double error = manifold.OffersDerivatives() ? 0 : DerivativeError(manifold.noise());
     frame_.emplace(manifold.constraints(), sample_.parameters, *derivatives, extents_, delta_,
                    error);
@@ -227,14 +227,14 @@ class Race {
     best_ = std::min(best_.value_or(contender->set.cost()), contender->set.cost());
     for (Contender& other : contenders_) {
       if (!other.covered && other.set.cost() >= *best_) other.running = false;
-}
+    }
   }
 
   Cover Result() const {
     const Contender* winner = nullptr;
     for (const Contender& each : contenders_) {
       if (each.covered && (!winner || each.set.cost() < winner->set.cost())) winner = &each;
-}
+    }
     Cover cover;
     if (!winner) {
       winner = &contenders_.front();

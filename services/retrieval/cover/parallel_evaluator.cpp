@@ -47,7 +47,7 @@ absl::StatusOr<Eigen::VectorXd> ParallelEvaluator::EvaluateOne(const Eigen::Vect
   }
   if (!value->allFinite()) {
     return absl::InternalError("a descriptor has numbers that are no numbers");
-}
+  }
   return value;
 }
 

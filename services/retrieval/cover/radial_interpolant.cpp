@@ -29,7 +29,7 @@ VectorXd TermsAt(const VectorXd& x, Index terms) {
   if (next == terms) return result;
   for (Index i = 0; i < x.size(); ++i) {
     for (Index j = i; j < x.size(); ++j) result[next++] = x[i] * x[j];
-}
+  }
   return result;
 }
 

@@ -75,7 +75,7 @@ class Fit {
     VectorXd radii = VectorXd::Constant(axes_.cols(), std::numeric_limits<double>::infinity());
     for (const Probe& probe : probes_) {
       radii[probe.axis] = std::min(radii[probe.axis], std::max(site_.delta, probe.reach));
-}
+    }
     if (axes_.cols() > 1) MORTISE_RETURN_IF_ERROR(ShrinkBetween(&radii));
     return radii;
   }
@@ -117,7 +117,7 @@ class Fit {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (values[i].ok() && evaluator_.manifold().Structure(points[i]) == site_.structure) {
         offsets[i] = *values[i] - site_.value;
-}
+      }
     }
     return offsets;
   }
@@ -126,7 +126,7 @@ class Fit {
     std::vector<VectorXd> changes;
     for (const Probe& probe : probes_) {
       if (!probe.done) changes.emplace_back(probe.at / probe.way.length * probe.way.change);
-}
+    }
     const auto offsets = Offsets(changes);
     std::size_t next = 0;
     for (Probe& probe : probes_) {
@@ -155,7 +155,7 @@ class Fit {
     std::vector<VectorXd> directions;
     for (Index i = 0; i < kPlacesPerAxis * radii->size(); ++i) {
       directions.push_back(random.UnitVector(radii->size()));
-}
+    }
     for (int round = 0; round < kShrinkRounds; ++round) {
       MORTISE_ASSIGN_OR_RETURN(const double worst, FurthestPlace(directions, *radii));
       if (worst <= site_.delta) return absl::OkStatus();

@@ -31,7 +31,7 @@ double NearestBoundary(const MatrixXd& rates, const VectorXd& slacks, const Vect
   const VectorXd along = rates * direction;
   for (Index i = 0; i < along.size(); ++i) {
     if (along[i] != 0) nearest = std::min(nearest, slacks[i] / std::abs(along[i]));
-}
+  }
   return nearest;
 }
 
@@ -43,7 +43,7 @@ std::vector<VectorXd> Candidates(const MatrixXd& left, const MatrixXd& rates,
     const VectorXd within = left.transpose() * vector;
     if (within.norm() > kNothing * std::max(1.0, vector.norm()) && within.norm() > 0) {
       candidates.emplace_back(left * within.normalized());
-}
+    }
   };
   for (Index i = 0; i < rates.rows(); ++i) add(rates.row(i).transpose());
   for (Index k = 0; k < parameter_moves.cols(); ++k) add(parameter_moves.col(k));

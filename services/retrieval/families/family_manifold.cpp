@@ -78,7 +78,7 @@ struct Family {
   const StructureFamily* Find(const parametric::Structure& structure) const {
     for (const StructureFamily& each : structures) {
       if (each.structure == structure) return &each;
-}
+    }
     return nullptr;
   }
 };
@@ -108,7 +108,7 @@ absl::StatusOr<VectorXd> Describe(const Family& family, const VectorXd& q) {
   const StructureFamily* const known = family.Find(design.structure);
   if (known != nullptr && known->bound && HasVerticesOf(*known, design.surface)) {
     return known->bound->Describe(design.surface.vertices);
-}
+  }
   return family.descriptor->Describe(design.surface);
 }
 
@@ -136,7 +136,7 @@ SurfaceFamily MembersBeside(const Family& family, const StructureFamily& known, 
     MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family.function, at));
     if (design.structure == known.structure && HasVerticesOf(known, design.surface)) {
       design.surface.triangles = known.reference.triangles;
-}
+    }
     return std::move(design.surface);
   };
   return members;
@@ -154,8 +154,8 @@ absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& 
   for (Index k = 0; k < q.size(); ++k) {
     if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kLeastStep * steps[k]) {
       moving.push_back(k);
-}
-}
+    }
+  }
   MORTISE_ASSIGN_OR_RETURN(
       const DescriptorDerivatives along,
       DescriptorJacobian(*known->bound, MembersBeside(family, *known, q, moving), q(moving)));

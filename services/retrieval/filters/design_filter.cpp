@@ -64,9 +64,10 @@ bool MayMeet(const DesignFilter& filter, const std::vector<std::string>& items,
   const auto has = [](const auto& wanted) {
     return [&wanted](const std::string& name) { return wanted.contains(name); };
   };
-  if (filter.materials && std::none_of(materials.begin(), materials.end(), has(*filter.materials))) {
+  if (filter.materials &&
+      std::none_of(materials.begin(), materials.end(), has(*filter.materials))) {
     return false;
-}
+  }
   return !filter.items || std::any_of(items.begin(), items.end(), has(*filter.items));
 }
 

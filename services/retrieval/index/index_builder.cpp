@@ -41,7 +41,7 @@ absl::Status CheckPrimitive(const FamilyCover& cover, std::size_t at, Index dime
   }
   if (primitive.radii.size() != axes || (axes > 0 && !(primitive.radii.minCoeff() > 0))) {
     return InvalidField(Named(cover, at), "needs a radius above 0 for each axis");
-}
+  }
   if (!primitive.center.allFinite() || !primitive.axes.allFinite() ||
       !primitive.radii.allFinite() || !primitive.parameters.allFinite()) {
     return InvalidField(Named(cover, at), "has numbers that are not finite");
@@ -56,7 +56,7 @@ absl::Status Check(const std::vector<FamilyCover>& sorted) {
     if (sorted[i].family < 0) return InvalidField(name, "a family's number must be 0 or more");
     if (i > 0 && sorted[i].family == sorted[i - 1].family) {
       return InvalidField(name, "this family is there twice");
-}
+    }
     for (std::size_t k = 0; k < sorted[i].primitives.size(); ++k) {
       if (dimension < 0) dimension = sorted[i].primitives[k].center.size();
       MORTISE_RETURN_IF_ERROR(CheckPrimitive(sorted[i], k, dimension));
@@ -132,7 +132,7 @@ class Builder {
     MatrixXd centers(size, used);
     for (Index i = 0; i < used; ++i) {
       centers.col(i) = items_[static_cast<std::size_t>(i * total / used)].primitive->center;
-}
+    }
     mean_ = centers.rowwise().mean();
     centers.colwise() -= mean_;
     extent_ = std::sqrt(centers.squaredNorm() / static_cast<double>(used));
@@ -163,7 +163,7 @@ class Builder {
     const std::int32_t family = begin->family;
     if (std::all_of(begin, end, [&](const Item& item) { return item.family == family; })) {
       node.family = family;
-}
+    }
     arrays_.nodes.push_back(node);
     AddBounds(first, last);
     if (last - first <= kLeafSize || IsOneGroup(first, last)) {
@@ -231,7 +231,7 @@ class Builder {
     const VectorXd leading = (item.place - first.place).head(used);
     for (Index i = 0; i < used; ++i) {
       drift.leading[static_cast<std::size_t>(i)] = static_cast<float>(leading[i]);
-}
+    }
     const double rest = offset.squaredNorm() - leading.squaredNorm();
     drift.rest = static_cast<float>(std::sqrt(std::max(0.0, rest)) + kSlack * offset.norm());
     const double misfit = MisfitOf(*first.primitive, *item.primitive);
@@ -264,7 +264,7 @@ class Builder {
     };
     for (std::int32_t i = first + quarter; i < last - quarter; ++i) {
       if (gap_before(i) > gap_before(middle)) middle = i;
-}
+    }
     return middle;
   }
 
@@ -318,10 +318,10 @@ class Builder {
       arrays_.drifts.push_back(item.drift);
       for (const double value : primitive.center) {
         arrays_.vectors.push_back(static_cast<float>(value));
-}
+      }
       for (const double value : primitive.axes.reshaped()) {
         arrays_.vectors.push_back(static_cast<float>(value));
-}
+      }
       arrays_.radii.insert(arrays_.radii.end(), primitive.radii.begin(), primitive.radii.end());
       arrays_.parameters.insert(arrays_.parameters.end(), primitive.parameters.begin(),
                                 primitive.parameters.end());

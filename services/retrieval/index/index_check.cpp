@@ -52,11 +52,11 @@ bool AreConsistent(const IndexArrays& arrays) {
   if (!SizesFit(arrays)) return false;
   for (std::size_t i = 0; i < arrays.nodes.size(); ++i) {
     if (!IsConsistent(arrays.nodes[i], static_cast<std::int64_t>(i), arrays.sizes)) return false;
-}
+  }
   for (std::size_t i = 0; i < arrays.primitives.size(); ++i) {
     if (!IsConsistent(arrays.primitives[i], static_cast<std::int64_t>(i), arrays.sizes)) {
       return false;
-}
+    }
   }
   return true;
 }

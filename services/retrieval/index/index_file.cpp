@@ -97,7 +97,7 @@ absl::StatusOr<Header> ReadHeader(std::string_view bytes, std::string_view descr
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (std::string_view(header.magic.data(), header.magic.size()) != kMagic) {
     return Damaged(path, "it does not begin as an index does");
-}
+  }
   if (header.version != kIndexVersion) {
     return PreconditionFailed(
         "INDEX_OF_ANOTHER_VERSION",
@@ -108,7 +108,7 @@ absl::StatusOr<Header> ReadHeader(std::string_view bytes, std::string_view descr
   if (header.digest != DigestOf(header)) return Damaged(path, "its header was changed");
   if (header.header_bytes != sizeof(Header) || header.descriptor.back() != 0) {
     return Damaged(path, "its header is none");
-}
+  }
   if (header.file_bytes != bytes.size()) {
     return Damaged(path,
                    absl::StrCat("it has ", bytes.size(), " bytes instead of ", header.file_bytes));
@@ -138,7 +138,7 @@ absl::Status CheckSections(const Header& header, std::string_view bytes,
     if (DigestOf(bytes.substr(section.offset, section.bytes)) != section.digest) {
       return Damaged(path,
                      absl::StrCat("its section '", std::string(kSectionNames[i]), "' was changed"));
-}
+    }
   }
   if (end != bytes.size()) return Damaged(path, "something follows its last section");
   return absl::OkStatus();

@@ -23,7 +23,7 @@ absl::Status Failure(const std::filesystem::path& path) {
   if (error == ENOENT) return WithDetail(absl::NotFoundError(message), detail);
   if (error == EACCES || error == EPERM) {
     return WithDetail(absl::PermissionDeniedError(message), detail);
-}
+  }
   return WithDetail(absl::InternalError(message), detail);
 }
 

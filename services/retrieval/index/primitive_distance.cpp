@@ -39,7 +39,7 @@ double Dot(const double* offset, const float* axis, std::int64_t size) {
   std::int64_t i = 0;
   for (; i + 4 <= size; i += 4) {
     sums += Map<const Array4d>(offset + i) * Map<const Array4f>(axis + i).cast<double>();
-}
+  }
   double rest = 0;
   for (; i < size; ++i) rest += offset[i] * static_cast<double>(axis[i]);
   return Sum(sums) + rest;

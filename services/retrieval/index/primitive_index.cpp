@@ -46,7 +46,7 @@ class Matches {
     char& known = allowed_[static_cast<std::size_t>(family)];
     if (known == kUnknown) {
       known = query_.allowed(arrays_.families[static_cast<std::size_t>(family)]) ? kYes : kNo;
-}
+    }
     return known == kYes;
   }
 
@@ -231,7 +231,7 @@ class Search {
       if (bound > matches_.Limit()) continue;
       if (!matches_.IsAllowed(primitive.family) || bound > matches_.Limit(primitive.family)) {
         continue;
-}
+      }
       Visit(i, turn);
     }
   }
@@ -339,15 +339,15 @@ absl::Status PrimitiveIndex::Check(const IndexQuery& query) const {
   if (query.count < 1) return InvalidField("count", "must be at least 1");
   if (query.descriptors.empty() || query.descriptors.size() > kMostDescriptors) {
     return InvalidField("descriptors", "there must be one to four");
-}
+  }
   for (std::size_t i = 0; i < query.descriptors.size(); ++i) {
     const std::string name = absl::StrCat("descriptors[", i, "]");
     if (query.descriptors[i].size() != dimension()) {
       return InvalidField(name, absl::StrCat("must have ", dimension(), " numbers"));
-}
+    }
     if (!query.descriptors[i].allFinite()) {
       return InvalidField(name, "has numbers that are not finite");
-}
+    }
   }
   return absl::OkStatus();
 }
@@ -369,7 +369,7 @@ absl::StatusOr<std::vector<IndexMatch>> PrimitiveIndex::LinearScan(const IndexQu
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(arrays_.primitives.size()); ++i) {
       if (matches.IsAllowed(arrays_.primitives[static_cast<std::size_t>(i)].family)) {
         matches.Compare(i, static_cast<int>(turn), &offset);
-}
+      }
     }
   }
   return matches.Take();

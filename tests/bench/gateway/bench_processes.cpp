@@ -24,7 +24,7 @@ BenchProcess::BenchProcess(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
   for (const std::string& argument : command) {
     arguments.push_back(const_cast<char*>(argument.c_str()));
-}
+  }
   arguments.push_back(nullptr);
   pid_ = fork();
   if (pid_ == 0) {

@@ -155,7 +155,7 @@ TEST_F(Manual, MarkedBlocksAreFew) {
   for (const std::string& document : ManualDocuments()) {
     for (const ManualBlock& block : ReadManual(document)) {
       not_run += block.mark == "not-run" ? 1 : 0;
-}
+    }
   }
   EXPECT_LE(not_run, 2);
 }

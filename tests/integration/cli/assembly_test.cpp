@@ -69,9 +69,10 @@ TEST_F(AssemblyCommand, ShowsWhatHoldsPartsTogether) {
   const absl::Status shown = RunCommandLine({"assembly", "show", "bookshelf"}, session_, output);
   const std::string text = ::testing::internal::GetCapturedStdout();
   ASSERT_TRUE(shown.ok()) << shown;
-  for (const char* part : {"connection", "held by", "screw", "contact across x", " connections, "}) {
+  for (const char* part :
+       {"connection", "held by", "screw", "contact across x", " connections, "}) {
     EXPECT_THAT(text, HasSubstr(part));
-}
+  }
 }
 
 TEST_F(AssemblyCommand, ImportsDrawingsThatOutgrowAMessage) {
@@ -83,7 +84,7 @@ TEST_F(AssemblyCommand, ImportsDrawingsThatOutgrowAMessage) {
   std::mt19937_64 random(5);
   while (comments.size() < 10'000'000) {
     absl::StrAppend(&comments, "/* ", absl::Hex(random()), " */\n");
-}
+  }
   const std::size_t data = padded.find("DATA;");
   ASSERT_NE(data, std::string::npos);
   padded.insert(data + std::string("DATA;").size(), "\n" + comments);

@@ -25,7 +25,7 @@ TEST_F(ConnectNodeTest, TheRealClientIsContent) {
   char buffer[4096];
   while (const std::size_t size = fread(buffer, 1, sizeof(buffer), pipe)) {
     output.append(buffer, size);
-}
+  }
   const int status = pclose(pipe);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << output;
 }

@@ -66,10 +66,17 @@ class CheckStructure(unittest.TestCase):
         self.assertIn("services/one/one.h: knows messages", faults)
         self.assertNotIn("services/one/service/one.h: knows", faults)
 
-    def test_headers_of_a_folder_internal_are_private(self):
-        self.write("services/one/a/internal/part.h", "")
-        self.write("services/one/a/a.h", '#include "services/one/a/internal/part.h"\n')
-        self.write("services/one/b/b.h", '#include "services/one/a/internal/part.h"\n')
+    def test_folders_other_than_the_store_know_no_sql(self):
+        self.write("common/base/store.h", "#include <sqlite3.h>\n")
+        self.write("services/one/one.h", "#include <libpq-fe.h>\n")
+        faults = self.faults()
+        self.assertIn("services/one/one.h: knows SQL", faults)
+        self.assertIn("common/base/store.h: knows SQL", faults)
+
+    def test_headers_that_say_so_are_private_to_their_folder(self):
+        self.write("services/one/a/part.h", "// A part. Private to\n// this folder.\n#pragma once\n")
+        self.write("services/one/a/a.h", '#include "services/one/a/part.h"\n')
+        self.write("services/one/b/b.h", '#include "services/one/a/part.h"\n')
         faults = self.faults()
         self.assertIn("services/one/b/b.h: includes", faults)
         self.assertNotIn("services/one/a/a.h: includes", faults)

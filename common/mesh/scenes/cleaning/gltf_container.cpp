@@ -35,10 +35,9 @@ bool IsTooDeep(std::string_view json) {
     if (is_string) {
       if (json[i] == '\\') {
         ++i;
-}
-      else if (json[i] == '"') {
+      } else if (json[i] == '"') {
         is_string = false;
-}
+      }
     } else if (json[i] == '"') {
       is_string = true;
     } else if (json[i] == '{' || json[i] == '[') {

@@ -308,7 +308,7 @@ class GltfCleaning {
     }
     if (in.contains("sparse")) {
       MORTISE_RETURN_IF_ERROR(AddSparse(in["sparse"], count, size, which, out));
-}
+    }
     json& all = out_["accessors"];
     all.push_back(std::move(out));
     return Accessor{all.size() - 1, count};

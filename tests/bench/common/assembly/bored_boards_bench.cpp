@@ -84,7 +84,7 @@ AssemblyPart Part(const std::string& name, const mesh::SurfaceMesh& surface,
     part.limits[static_cast<std::size_t>(axis)] = {size[axis] / 2, 2 * size[axis]};
     if (is_bought && axis < 2) {
       part.limits[static_cast<std::size_t>(axis)] = {size[axis], size[axis]};
-}
+    }
   }
   // A board's bores are faces of their own; so are a rod's ends.
   Eigen::VectorXi face(surface.triangles.cols());

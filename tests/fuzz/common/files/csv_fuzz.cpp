@@ -47,7 +47,7 @@ void CheckPlaces(const mortise::parametric::Placed<Message>& placed,
   for (const mortise::FieldViolation& finding : findings) {
     if (mortise::parametric::PlaceOf(placed.place, placed.fields, finding.field).empty()) {
       std::abort();
-}
+    }
     if (placed.unread.count(finding.field) != 0) std::abort();
   }
 }

@@ -38,7 +38,7 @@ bool NamesPeer(const Json& rule, const char* side, const Json& labels) {
         entry.contains("podSelector") && !entry.contains("namespaceSelector");
     if (of_this_namespace && !labels.is_null() && Selects(entry["podSelector"], labels)) {
       return true;
-}
+    }
   }
   return false;
 }

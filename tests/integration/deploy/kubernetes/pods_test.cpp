@@ -70,7 +70,7 @@ class PodsTest : public ::testing::Test {
     const auto listeners = listeners_.find(pod);
     if (listeners != listeners_.end()) {
       here.insert(listeners->second.begin(), listeners->second.end());
-}
+    }
     here["/run/mortise/keys"] = folder + "/keys-" + pod;
     here["/run/mortise"] = folder;
     here["/var/lib/mortise"] = folder;

@@ -73,7 +73,7 @@ TEST_F(ShapeServiceTest, KeepsWhatIsDrawnAtAnyParameters) {
     std::string request = "name: 'assemblies/stool' format: STEP ";
     for (const double q : adjusted->q()) {
       absl::StrAppend(&request, "q: ", absl::StrFormat("%.17g ", q));
-}
+    }
     const auto exported = Export(request);
     ASSERT_TRUE(exported.ok()) << exported.status();
     const auto again = cad::ReadStep(*exported);

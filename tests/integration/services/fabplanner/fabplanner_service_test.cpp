@@ -113,7 +113,7 @@ TEST_F(FabPlannerServiceTest, PlansDesignsThatOutgrowAMessageAndHaveNoStepFile) 
   EXPECT_EQ(plan.parts(0).drawings_size(), 2);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     EXPECT_NE(artifact.file_name(), "design.step");
-}
+  }
   EXPECT_THAT(plan.handwork(),
               ::testing::Contains(AllOf(HasSubstr("design.step"), HasSubstr("gave up"))));
 }

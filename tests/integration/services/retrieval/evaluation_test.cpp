@@ -39,7 +39,7 @@ Rows ReadTable(const std::filesystem::path& path) {
     rows.emplace_back();
     for (std::size_t c = 0; c < table.rows[r].size(); ++c) {
       rows.back()[table.rows[0][c].text] = table.rows[r][c].text;
-}
+    }
   }
   EXPECT_FALSE(rows.empty()) << path;
   return rows;
@@ -145,7 +145,7 @@ TEST_F(EvaluationTest, CountsRightAnswersOfRandomDesigns) {
   for (const auto& row : rows) {
     for (const std::string by : {"d2", "voxel", "light-field"}) {
       ExpectShares(row, {"mean shapes, " + by, "manifolds, " + by});
-}
+    }
   }
   EXPECT_GE(NumberOf(rows.front(), "manifolds, light-field"),
             NumberOf(rows.front(), "mean shapes, light-field"));
@@ -154,10 +154,10 @@ TEST_F(EvaluationTest, CountsRightAnswersOfRandomDesigns) {
 TEST_F(EvaluationTest, MeasuresCategoriesAndLabelledShapes) {
   for (const auto& row : ReadTable(File("figure-4-13.csv"))) {
     ExpectShares(row, {"d2, mean shapes", "d2, manifolds", "light-field, manifolds"});
-}
+  }
   for (const auto& row : ReadTable(File("labelled.csv"))) {
     ExpectShares(row, {"nearest neighbour", "first tier"});
-}
+  }
   // What a manifold covers is larger than a point of it, and nearer to others.
   for (const auto& row : ReadTable(File("table-4.2.csv"))) {
     EXPECT_LE(NumberOf(row, "between, manifolds"), 1.05 * NumberOf(row, "between, mean shapes"));
@@ -174,7 +174,7 @@ TEST_F(EvaluationTest, GoesOnWhereItWasAndGivesTheSameAgain) {
   ASSERT_TRUE(testing::IsOk(Run({})));
   for (const std::string& figure : FigureNames()) {
     EXPECT_THAT(*said_, Contains("figure " + figure + " is there already"));
-}
+  }
   // Without a figure's page it is made anew, of covers that are kept.
   std::filesystem::remove(File("4-10.md"));
   ASSERT_TRUE(testing::IsOk(Run({"4-10"})));

@@ -94,7 +94,7 @@ class SubTreesTest : public ::testing::Test {
     request.mutable_design()->set_template_(kCart);
     for (const auto& part : design->parts()) {
       if (part.name().starts_with(beginning)) request.mutable_design()->add_parts(part.name());
-}
+    }
     const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
     return Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request);
   }

@@ -50,7 +50,7 @@ TEST(NewIdentifier, IsUniqueAndSortedOnEveryThread) {
 TEST(IsResourceId, AcceptsOnlyLowerCaseDigitsAndInnerHyphens) {
   for (const char* good : {"a", "table", "board-38x89", "0"}) {
     EXPECT_TRUE(IsResourceId(good)) << good;
-}
+  }
   for (const char* bad : {"", "-a", "a-", "A", "a/b", "a b", "ä", "a..b"}) {
     EXPECT_FALSE(IsResourceId(bad)) << bad;
   }

@@ -36,7 +36,7 @@ std::string Listed(const std::vector<FieldViolation>& findings) {
   std::string text;
   for (const FieldViolation& finding : findings) {
     text += finding.field + ": " + finding.message + "\n";
-}
+  }
   return text;
 }
 

@@ -16,7 +16,7 @@ int Count(const std::string& text, const std::string& part) {
   int count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
     ++count;
-}
+  }
   return count;
 }
 
@@ -88,7 +88,7 @@ TEST(Chart, LogarithmicAxesHaveRoundNumbers) {
   const std::string svg = *DrawingSvg(DrawChart({Costs()}));
   for (const char* number : {">0.01<", ">0.1<", ">1<", ">10<", ">100<", ">1000<"}) {
     EXPECT_EQ(Count(svg, number), 1) << number;
-}
+  }
 }
 
 TEST(Chart, HasRoomForWhatItDraws) {

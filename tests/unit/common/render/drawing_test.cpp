@@ -45,7 +45,7 @@ TEST(Drawing, AsImageOfTheSameShapes) {
     int blue = 0;
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) blue += image.Get(x, y) == kBlue ? 1 : 0;
-}
+    }
     EXPECT_NEAR(blue / std::pow(scale, 2), M_PI * 225, 2 * M_PI * 15);
   }
 }

@@ -86,7 +86,7 @@ TEST(TemplatesTest, SolidsAreThoseOfTheirOwnParameters) {
   std::vector<std::thread> threads;
   for (const double share : {0.0, 0.3, 0.6}) {
     threads.emplace_back([&check, share] { check(share); });
-}
+  }
   for (std::thread& thread : threads) thread.join();
   const Eigen::VectorXd defaults = parametric::Defaults((*wrench)->parameters());
   Eigen::VectorXd longer = defaults;

@@ -313,7 +313,7 @@ TEST(ExactlyOnce, InStormsOfFaults) {
     std::vector<Job> outlines;
     for (int i = 1; i <= 3; ++i) {
       outlines.push_back(OutlineJob("seat-" + std::to_string(i), 0.05, 20));
-}
+    }
     Shop shop(saw ? MachineKind::kChopSaw : MachineKind::kJigsaw, saw ? Crosscuts(5) : outlines);
     Storm storm(shop, seed);
     ExpectEachCutOnce(shop, "seed " + std::to_string(seed));

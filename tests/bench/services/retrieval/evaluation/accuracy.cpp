@@ -96,7 +96,7 @@ render::ChartPanel PanelOf(const Descriptor& by, const std::vector<Accuracy>& me
   for (const Accuracy& each : measured) {
     for (render::ChartSeries* series : {&bound, &coverage, &fitting}) {
       series->x.push_back(each.delta);
-}
+    }
     bound.y.push_back(each.delta);
     coverage.y.push_back(each.coverage);
     fitting.y.push_back(each.fitting);

@@ -29,8 +29,8 @@ std::vector<std::string> CategoriesOf(const Study& study) {
     if (std::ranges::any_of(study.families(),
                             [&](const auto& each) { return each.category == category; })) {
       categories.push_back(category);
-}
-}
+    }
+  }
   return categories;
 }
 
@@ -75,7 +75,7 @@ struct Curve {
   void Add(const std::vector<double>& of_query) {
     for (std::size_t i = 0; i < of_query.size(); ++i) {
       precisions[i] += (of_query[i] - precisions[i]) / (queries + 1);
-}
+    }
     ++queries;
   }
 };
@@ -99,7 +99,7 @@ absl::StatusOr<Curves> MeasureCurves(const Study& study, const PrimitiveIndex& i
     for (const IndexMatch& match : ranked) {
       relevant.push_back(study.families()[static_cast<std::size_t>(match.family)].category ==
                          shape.category);
-}
+    }
     if (std::ranges::count(relevant, 1) == 0) continue;
     const std::vector<double> precisions = InterpolatedPrecisions(relevant, kRecalls);
     curves["all"].Add(precisions);
@@ -188,7 +188,7 @@ absl::Status WritePrecision(Study& study, ResultFolder& results) {
                                    absl::StrCat(curve.queries)};
       for (const Way& way : ways) {
         row.push_back(TablePercent(AveragePrecision(curves(way).at(group))));
-}
+      }
       table.rows.push_back(std::move(row));
     }
   }
@@ -215,7 +215,7 @@ Points PointsOf(const EvaluationFamily& family, const std::vector<Primitive>& pr
   for (std::size_t i = 0; i < count; ++i) {
     points.vectors.col(static_cast<Eigen::Index>(i)) =
         primitives[i * primitives.size() / count].center;
-}
+  }
   return points;
 }
 
@@ -227,7 +227,7 @@ std::pair<double, double> Distances(const Descriptor& by, const Points& a, const
     const Eigen::MatrixXd turns = by.QuarterTurns(point);
     for (const auto& turn : turns.colwise()) {
       nearest = nearest.min((b.vectors.colwise() - turn).colwise().norm().transpose().array());
-}
+    }
     least = std::min(least, nearest.minCoeff());
     most = std::max(most, nearest.maxCoeff());
   }
@@ -249,7 +249,7 @@ Spread SpreadOf(const Study& study, const Descriptor& by, const std::vector<Poin
       if (std::ranges::find(categories, first) == categories.end() ||
           std::ranges::find(categories, second) == categories.end()) {
         continue;
-}
+      }
       const auto [nearest, furthest] = Distances(by, points[i], points[k]);
       if (first == second) {
         size[first] = std::max(size[first], furthest);
@@ -345,7 +345,7 @@ Eigen::MatrixXd PairDistances(const Study& study, const Descriptor& by,
     const Eigen::MatrixXd turns = by.QuarterTurns(all.col(i));
     for (const auto& turn : turns.colwise()) {
       nearest = nearest.cwiseMin((all.colwise() - turn).colwise().norm());
-}
+    }
     distances.row(i) = nearest;
   });
   return distances;
@@ -359,7 +359,7 @@ Counted CountAmong(const Study& study, const Eigen::MatrixXd& distances, Among a
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       if (k == i || (among == Among::kOtherAuthors && shapes[k].author == shapes[i].author)) {
         continue;
-}
+      }
       others.emplace_back(distances(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)),
                           shapes[k].category == shapes[i].category);
     }

@@ -189,7 +189,7 @@ absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shape
     absl::StatusOr<EvaluationFamily> family = FamilyOf(mesh, shapes, options);
     if (family.ok() && family->function->parameters().size() == options.most_parameters) {
       return family;
-}
+    }
   }
   return absl::NotFoundError(absl::StrCat("no ", category, " has ", parameters, " sizes"));
 }

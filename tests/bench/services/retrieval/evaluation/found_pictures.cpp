@@ -47,14 +47,14 @@ std::vector<std::size_t> ShownQueries(const Study& study, int more) {
   for (const LabelledShape& shape : study.shapes()) {
     if (std::ranges::find(categories, shape.category) == categories.end()) {
       categories.push_back(shape.category);
-}
-}
+    }
+  }
   for (const std::string& category : categories) {
     if (static_cast<int>(shown.size()) >= static_cast<int>(ThesisCategories().size()) + more) break;
     std::vector<std::size_t> of_category;
     for (std::size_t i = 0; i < study.shapes().size(); ++i) {
       if (study.shapes()[i].category == category) of_category.push_back(i);
-}
+    }
     if (!of_category.empty()) shown.push_back(of_category[of_category.size() / 2]);
   }
   return shown;

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   using namespace mortise::retrieval;
   if (argc == 2 && std::string_view(argv[1]) == mortise::mesh::kSceneChildArgument) {
     return mortise::mesh::RunSceneChild();
-}
+  }
   CLI::App app("Evaluate retrieval as §4.7 of the thesis does", "retrieval_evaluation");
   StudySettings settings;
   std::vector<std::string> figures;

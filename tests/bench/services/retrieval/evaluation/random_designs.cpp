@@ -39,8 +39,8 @@ std::vector<Query> Queries(const Study& study, int of_each, std::uint64_t seed) 
   for (std::size_t i = 0; i < designs.size(); ++i) {
     for (RandomDesign& design : designs[i]) {
       queries.push_back({static_cast<int>(i), std::move(design)});
-}
-}
+    }
+  }
   return queries;
 }
 
@@ -181,7 +181,7 @@ absl::StatusOr<PrimitiveIndex> NaiveIndex(const Study& study, std::size_t descri
   long cost = 0;
   for (const FamilyCover& cover : covers) {
     for (const Primitive& primitive : cover.primitives) cost += Cost(primitive);
-}
+  }
   const auto& families = study.families();
   const int each = std::max(1, static_cast<int>(cost / static_cast<long>(families.size())));
   std::vector<FamilyCover> naive(families.size());
@@ -224,7 +224,7 @@ absl::StatusOr<std::map<std::string, double>> WorstErrors(const Study& study,
     const double error = right[0].distance - nearest[0].distance;
     for (const std::string& group : {std::string("all"), own.category}) {
       worst[group] = std::max(worst[group], error);
-}
+    }
   }
   return worst;
 }
@@ -285,7 +285,7 @@ absl::Status WriteNaiveSampling(Study& study, ResultFolder& results) {
       for (const auto& [group, error] : each.ours) {
         table.rows.push_back({by.properties().name, TableNumber(each.delta), group,
                               TableNumber(error), TableNumber(each.naive[group])});
-}
+      }
       compared.push_back(std::move(each));
     }
     MORTISE_RETURN_IF_ERROR(results.Add(

@@ -17,7 +17,7 @@ std::vector<double> InterpolatedPrecisions(const std::vector<char>& relevant, in
     const auto last = static_cast<std::size_t>(std::floor(found / all * (count - 1) + 1e-9));
     for (std::size_t at = 0; at <= last; ++at) {
       interpolated[at] = std::max(interpolated[at], precision);
-}
+    }
   }
   return interpolated;
 }

@@ -58,11 +58,11 @@ absl::StatusOr<std::unique_ptr<Study>> Study::Create(StudySettings settings,
                                         study->effort_.most_evaluations);
   for (const EvaluationFamily& family : study->families_) {
     absl::StrAppend(&content, " ", family.name, family.function->head().digest);
-}
+  }
   for (const LabelledShape& shape : study->shapes_) absl::StrAppend(&content, " ", shape.name);
   for (const auto& descriptor : study->descriptors_) {
     absl::StrAppend(&content, " ", descriptor->properties().dimension);
-}
+  }
   study->digest_ = Sha256Hex(content);
   return study;
 }
@@ -73,7 +73,7 @@ absl::Status Study::LoadFamilies() {
       families_, ShippedFamilies(settings_.quick ? kQuickFamilies : std::vector<std::string>{}));
   if (!settings_.kernel) {
     std::erase_if(families_, [](const EvaluationFamily& family) { return family.uses_kernel; });
-}
+  }
   const int most = settings_.families > 0 ? settings_.families : 1000;
   if (static_cast<int>(families_.size()) > most) families_.resize(static_cast<std::size_t>(most));
   if (settings_.shapes.empty() || settings_.quick) return absl::OkStatus();
@@ -171,7 +171,7 @@ absl::StatusOr<const PrimitiveIndex*> Study::Manifolds(std::size_t descriptor, d
   std::vector<FamilyCover> covered;
   for (const FamilyCover& each : *covers) {
     if (!each.primitives.empty()) covered.push_back(each);
-}
+  }
   MORTISE_ASSIGN_OR_RETURN(PrimitiveIndex index, PrimitiveIndex::Build(std::move(covered)));
   return &manifolds_.emplace(DeltaKey{descriptor, delta}, std::move(index)).first->second;
 }

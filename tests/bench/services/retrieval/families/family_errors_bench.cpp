@@ -53,7 +53,7 @@ FunctionManifold FirstParameters(std::shared_ptr<const Manifold> whole, Index co
   std::vector<Index> rows;
   for (Index i = 0; i < bounds.size(); ++i) {
     if (limits.normals.row(i).head(count).norm() > 1e-9) rows.push_back(i);
-}
+  }
   const auto full = [middle, count](const VectorXd& q) {
     VectorXd all = middle;
     all.head(count) = q;

@@ -61,7 +61,7 @@ void BM_Evaluation(benchmark::State& state, const v1::TemplateBundle& bundle) {
       std::vector<Eigen::VectorXd> made;
       for (const Eigen::VectorXd& q : *samples) {
         if (function->StructureAt(q).ok()) made.push_back(q);
-}
+      }
       state.counters["failed"] = static_cast<double>(samples->size() - made.size());
       if (made.size() > kTimed) made.resize(kTimed);
       state.counters[name] = TimeOf(made, [&](const Eigen::VectorXd& q) {
@@ -121,10 +121,10 @@ void RegisterAll() {
   };
   for (const v1::Template& each : templates::ShippedCollection().templates) {
     add(each.name(), WithAssembly(templates::ShippedTemplate(each.name())));
-}
+  }
   for (const v1::Assembly& each : templates::ShippedCollection().assemblies) {
     add(each.name(), templates::ShippedAssembly(each.name()));
-}
+  }
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::vector<IndexQuery> Queries(const Setting& setting, int turns, bool near) {
     for (int turn = 1; turn < turns; ++turn) {
       query.descriptors.push_back(query.descriptors[0] +
                                   0.5 * testing::RandomDescriptor(size, &random));
-}
+    }
     queries.push_back(std::move(query));
   }
   return queries;
@@ -83,7 +83,7 @@ void BM_Query(benchmark::State& state) {
   const double each = (end - begin) / static_cast<double>(state.iterations());
   for (std::size_t i = 0; i < 4; ++i) {
     benchmark::DoNotOptimize(setting.index.LinearScan(queries[i]));
-}
+  }
   const double scan = (Seconds() - end) / 4;
   double& one = of_one_copy[{state.range(0), state.range(1), state.range(3)}];
   if (state.range(2) == 1) one = each;

@@ -50,7 +50,7 @@ void Dragging(benchmark::State& state, const std::string& name) {
     const auto analysis = AnalyzeDesign(*model, {"max_von_mises"}, false, options);
     if (!analysis.ok()) {
       return state.SkipWithError(std::string(analysis.status().message()).c_str());
-}
+    }
     const ElasticitySummary& summary = analysis->cases[0].solution.summary;
     state.counters["elements"] = summary.elements;
     state.counters["unknowns"] = summary.solver.unknowns;

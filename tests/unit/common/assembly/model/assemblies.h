@@ -112,7 +112,7 @@ inline Assembly RandomAssembly(unsigned seed) {
   assembly.groups = {{"root", -1}};
   for (int i = 1; i < 5; ++i) {
     assembly.groups.push_back({"group " + std::to_string(i), pick(0, i - 1)});
-}
+  }
   for (int tries = 0; tries < 60; ++tries) {
     const Eigen::Vector3d minimum = 0.1 * Eigen::Vector3d(pick(0, 7), pick(0, 7), pick(0, 7));
     const Eigen::Vector3d size = 0.1 * Eigen::Vector3d(pick(1, 3), pick(1, 3), pick(1, 2));

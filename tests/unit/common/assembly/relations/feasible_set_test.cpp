@@ -142,10 +142,10 @@ TEST(FeasibleSetTest, ArticulatedPartsKeepTheirRelationshipsInEveryRestPose) {
         BoundingBox& box = boxes[static_cast<std::size_t>(position.element)];
         if (position.is_minimum) {
           box.minimum[static_cast<int>(position.axis)] = position.position.At(q);
-}
+        }
         if (position.is_maximum) {
           box.maximum[static_cast<int>(position.axis)] = position.position.At(q);
-}
+        }
       }
       for (std::size_t e = 0; e < boxes.size(); ++e) {
         if (static_cast<int>(e) == lid) continue;

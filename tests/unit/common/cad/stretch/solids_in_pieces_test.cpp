@@ -118,7 +118,7 @@ double VolumeRead(const Solid& solid) {
   if (read.ok()) {
     for (const auto& product : read->products) {
       volume += product.solid ? product.solid->Volume() : 0;
-}
+    }
   }
   return volume;
 }

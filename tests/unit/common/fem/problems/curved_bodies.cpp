@@ -101,7 +101,7 @@ cad::Solid NamedSolid(const TopoDS_Shape& shape, double inner_radius) {
         const double along = normal.XYZ().Coord(axis + 1);
         if (std::abs(along) > 0.9) {
           name = std::string(1, "xyz"[axis]) + (along > 0 ? "_max" : "_min");
-}
+        }
       }
     }
     kernel->faces.push_back(face);

@@ -205,7 +205,7 @@ TargetAnswer TaperedSphere(int n, bool quadratic) {
     const double begin = along.back();
     for (std::size_t k = 1; k < ticks.size(); ++k) {
       along.push_back(begin + (end - begin) * ticks[k]);
-}
+    }
   };
   divide(0.25, Ticks(4 * n, 6));
   for (const double end : {0.5, 0.75, 1.0}) divide(end, Ticks(n));

@@ -347,7 +347,7 @@ class Damage {
     for (int i = Below(4); i > 0; --i) surface = WithJunction(surface, AnyOf(surface));
     for (int i = Below(4); i > 0; --i) {
       surface = With(surface, surface.triangles.col(AnyOf(surface)));
-}
+    }
     for (int i = Below(6); i > 0; --i) {
       const Eigen::Index t = AnyOf(surface);
       surface.triangles.col(t) = Turned(surface.triangles.col(t));

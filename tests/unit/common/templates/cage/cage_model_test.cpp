@@ -249,7 +249,7 @@ TEST(CageModel, RefusesWhatIsTooLarge) {
     std::vector<std::string> fields;
     for (const FieldViolation& finding : ValidateCageTemplate(definition)) {
       fields.push_back(finding.field);
-}
+    }
     return fields;
   };
   CageTemplate definition = Block();

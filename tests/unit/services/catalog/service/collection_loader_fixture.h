@@ -222,7 +222,7 @@ class CollectionLoaderTest : public ::testing::Test {
                   EXPECT_FALSE(marks.empty());
                   for (const store::Record& mark : marks) {
                     MORTISE_RETURN_IF_ERROR(transaction.Delete("shipped", mark.key));
-}
+                  }
                   return absl::OkStatus();
                 }).ok());
   }

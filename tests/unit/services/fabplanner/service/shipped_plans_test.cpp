@@ -199,7 +199,7 @@ void ExpectFreeWays(const Design& design, const FabricationPlan& plan) {
           const Eigen::AlignedBox3d there = swept.intersection(BoundsOf(other));
           if (!there.isEmpty() && there.sizes().minCoeff() > 6e-4) {
             continue;  // joined in each other
-}
+          }
           swept.extend((swept.min() - 100 * move.way_in).eval());
           const Eigen::AlignedBox3d hit = swept.intersection(BoundsOf(other));
           EXPECT_TRUE(hit.isEmpty() || hit.sizes().minCoeff() < 6e-4)

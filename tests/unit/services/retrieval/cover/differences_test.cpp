@@ -19,7 +19,7 @@ FunctionManifold Sine() {
                                         [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
                                           if (q[0] < 0 || q[0] > 1) {
                                             return absl::InvalidArgumentError("outside");
-}
+                                          }
                                           return VectorXd(VectorXd::Constant(1, std::sin(q[0])));
                                         }));
 }
@@ -72,7 +72,7 @@ TEST(Differences, FailWhereANeighbourCannotBeEvaluated) {
                                           [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
                                             if (q[0] > 0.5) {
                                               return absl::InternalError("the shelf meets the top");
-}
+                                            }
                                             return VectorXd(q);
                                           }));
   ParallelEvaluator evaluator(manifold, 1);

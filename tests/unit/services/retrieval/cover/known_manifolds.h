@@ -90,7 +90,7 @@ class ToyFamily {
     AddTop();
     for (const double x : {-0.45, 0.45}) {
       for (const double y : {-0.45, 0.45}) AddLeg(x, y);
-}
+    }
     if (parameters >= 5) AddShelf();
     if (parameters >= 7) AddBack();
   }
@@ -107,7 +107,7 @@ class ToyFamily {
         distances.push_back((points[i] - points[k]).norm());
         mean += distances.back();
       }
-}
+    }
     mean /= static_cast<double>(distances.size());
     return Histogram(distances, mean);
   }
@@ -129,7 +129,7 @@ class ToyFamily {
     Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(kKernels);
     for (const double distance : distances) {
       sums += (-(means - distance / mean).square() / (2 * 0.1 * 0.1)).exp();
-}
+    }
     return sums.matrix() / static_cast<double>(distances.size());
   }
 
@@ -145,7 +145,7 @@ class ToyFamily {
   void AddTop() {
     for (int i = -2; i <= 2; ++i) {
       for (int k = -2; k <= 2; ++k) points_.push_back(At(0.25 * i, 0.25 * k, 1));
-}
+    }
   }
 
   void AddLeg(double x, double y) {
@@ -160,7 +160,7 @@ class ToyFamily {
         map(2, 4) = 0.3;
         points_.push_back(map);
       }
-}
+    }
   }
 
   void AddBack() {
@@ -171,7 +171,7 @@ class ToyFamily {
         map(1, 6) = 0.1 * k;
         points_.push_back(map);
       }
-}
+    }
   }
 
   int parameters_;

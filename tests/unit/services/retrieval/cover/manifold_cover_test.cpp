@@ -64,11 +64,13 @@ TEST(ManifoldCover, PointsOfACircleAreAtLeastDeltaApartAndEnough) {
   // Each covers an arc of 2δ to either side together; neighbours are further than δ apart.
   EXPECT_GE(cover.cost, std::ceil(2 * std::numbers::pi / (2 * 1.01 * delta)));
   EXPECT_LE(cover.cost, std::floor(2 * std::numbers::pi / delta));
-  for (const Primitive& a : cover.primitives)
-    for (const Primitive& b : cover.primitives)
+  for (const Primitive& a : cover.primitives) {
+    for (const Primitive& b : cover.primitives) {
       if (&a != &b) {
         EXPECT_GT((a.center - b.center).norm(), delta);
       }
+    }
+  }
 }
 
 TEST(ManifoldCover, OfACircleNeedsTangentsAsItsCurvatureAsks) {
