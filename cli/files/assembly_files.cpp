@@ -196,8 +196,6 @@ absl::Status ImportMesh(const std::filesystem::path& file, const ImportOptions& 
   v1::ImportAssemblyMeshRequest request;
   FieldSources sources;
   sources.AddFile("file", file.string());
-  sources.Add("length_unit", "--unit");
-  sources.Add("most_parts", "--most-parts");
   request.set_file_name(file.filename().string());
   request.set_length_unit(options.unit);
   MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, ParseAxis(options.up, "--up"));
@@ -341,11 +339,7 @@ absl::Status Export(const ExportOptions& options, Session& session, Output& outp
     request.mutable_q()->Add(q.begin(), q.end());
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  FieldSources sources;
-  sources.Add("name", "assembly");
-  sources.Add("q", "--at");
-  sources.Add("rest_pose", "--pose");
-  MORTISE_RETURN_IF_ERROR(sources.Name(ExportTo(request, options.path, *client, output)));
+  MORTISE_RETURN_IF_ERROR(ExportTo(request, options.path, *client, output));
   output.Document({{"assembly", request.name()}, {"file", options.path.string()}});
   return absl::OkStatus();
 }
@@ -382,52 +376,48 @@ absl::Status ExportTo(const v1::ExportAssemblyRequest& request, const std::files
 
 void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
   auto import_options = std::make_shared<ImportOptions>();
-  CLI::App* add = assembly.add_subcommand("import", "Add assembly files to the catalog");
-  add->add_option(
+  CommandFlags add(*assembly.add_subcommand("import", "Add assembly files to the catalog"));
+  add.Add(
          "files", import_options->files,
          "Files of one mortise.v1.Assembly each (.textproto), STEP (.step, .stp, .stpz), or meshes "
          "(.obj, .off, .ply, .stl, .glb, .gltf)")
       ->required();
-  add->add_option("--annotations", import_options->annotations,
-                  "What the STEP file or mesh does not say: mortise.v1.AssemblyAnnotations "
-                  "(.textproto or .json)");
-  add->add_option("--id", import_options->id,
-                  "Name of the assembly in a STEP file or mesh, instead of the annotations' or the "
-                  "file's");
-  add->add_option("--unit", import_options->unit,
-                  "Unit of a mesh: m, cm, mm, um, in or ft; as its format says, or else a guess");
-  add->add_option("--up", import_options->up,
-                  "Which way is up in a mesh: x, y or z; as its format says, or else z");
-  add->add_option("--most-parts", import_options->most_parts,
-                  "How many parts a mesh becomes at most, 1 to 200; 40 if left out");
-  CommandFlags import_flags(*add);
-  AddTagOptions(import_flags, import_options->tags);
-  add->footer(
+  add.Add("--annotations", import_options->annotations,
+          "What the STEP file or mesh does not say: mortise.v1.AssemblyAnnotations "
+          "(.textproto or .json)");
+  add.Add("--id", import_options->id,
+          "Name of the assembly in a STEP file or mesh, instead of the annotations' or the "
+          "file's");
+  add.Add("--unit", import_options->unit,
+          "Unit of a mesh: m, cm, mm, um, in or ft; as its format says, or else a guess",
+          "length_unit");
+  add.Add("--up", import_options->up,
+          "Which way is up in a mesh: x, y or z; as its format says, or else z");
+  add.Add("--most-parts", import_options->most_parts,
+          "How many parts a mesh becomes at most, 1 to 200; 40 if left out", "most_parts");
+  AddTagOptions(add, import_options->tags);
+  add.command().footer(
       "Example: mortise assembly import collection/assemblies/bookshelf.textproto\n"
       "         mortise assembly import table.step --annotations table.textproto\n"
       "         mortise assembly import chair.obj --unit cm --up y");
-  import_flags.Run(
-      session, [import_options](Session& s, Output& o) { return Import(*import_options, s, o); });
+  add.Run(session,
+          [import_options](Session& s, Output& o) { return Import(*import_options, s, o); });
 
   auto export_options = std::make_shared<ExportOptions>();
-  CLI::App* out =
-      assembly.add_subcommand("export", "Write an assembly as a STEP, GLB, OBJ or STL file");
-  out->add_option("assembly", export_options->subject, "Such as bookshelf")->required();
-  out->add_option("--at", export_options->at,
-                  "The design that 'assembly adjust --json' printed; as drawn if left out");
-  out->add_option("--format", export_options->format,
-                  "step, glb, obj (metres), or stl (millimetres)")
+  CommandFlags out(
+      *assembly.add_subcommand("export", "Write an assembly as a STEP, GLB, OBJ or STL file"));
+  out.Add("assembly", export_options->subject, "Such as bookshelf", "name")->required();
+  out.Add("--at", export_options->at,
+          "The design that 'assembly adjust --json' printed; as drawn if left out", "q");
+  out.Add("--format", export_options->format, "step, glb, obj (metres), or stl (millimetres)")
       ->check(CLI::IsMember({"step", "glb", "obj", "stl"}))
       ->capture_default_str();
-  out->add_option("--pose", export_options->pose,
-                  "A rest pose, such as \"lid hinge: open\"; else as it is drawn");
-  out->add_option("-o,--out", export_options->path, "The file")->required();
-  out->footer("Example: mortise assembly export bookshelf --format glb -o bookshelf.glb");
-  out->callback([&session, export_options] {
-    session.command = [export_options](Session& s, Output& o) {
-      return Export(*export_options, s, o);
-    };
-  });
+  out.Add("--pose", export_options->pose,
+          "A rest pose, such as \"lid hinge: open\"; else as it is drawn", "rest_pose");
+  out.Add("-o,--out", export_options->path, "The file")->required();
+  out.command().footer("Example: mortise assembly export bookshelf --format glb -o bookshelf.glb");
+  out.Run(session,
+          [export_options](Session& s, Output& o) { return Export(*export_options, s, o); });
 }
 
 }  // namespace mortise::cli

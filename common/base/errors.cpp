@@ -6,6 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/field_violations.h"
+#include "common/base/string_views.h"
 
 namespace mortise {
 namespace {
@@ -20,13 +21,12 @@ absl::Status Make(absl::StatusCode code, std::string_view reason, std::string_vi
                     {std::string(reason), std::string(field)});
 }
 
-absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
-
 // Takes a text written as "5:hello" off the front of `rest`.
 std::string TakeText(std::string_view& rest) {
   const std::size_t colon = rest.find(':');
   std::size_t length = 0;
-  if (colon == std::string_view::npos || !absl::SimpleAtoi(View(rest.substr(0, colon)), &length)) {
+  if (colon == std::string_view::npos ||
+      !absl::SimpleAtoi(AbslView(rest.substr(0, colon)), &length)) {
     rest = {};
     return "";
   }
@@ -39,7 +39,7 @@ std::string TakeText(std::string_view& rest) {
 
 absl::Status InvalidField(std::string_view field, std::string_view message) {
   return Make(absl::StatusCode::kInvalidArgument, "FIELD_INVALID", field,
-              absl::StrCat(View(field), ": ", View(message)));
+              absl::StrCat(AbslView(field), ": ", AbslView(message)));
 }
 
 absl::Status InvalidFields(const std::vector<FieldViolation>& violations) {
@@ -54,35 +54,35 @@ absl::Status InvalidFields(const std::vector<FieldViolation>& violations) {
   }
   absl::Status status = Make(absl::StatusCode::kInvalidArgument, "FIELD_INVALID",
                              violations.empty() ? "" : violations[0].field, message);
-  status.SetPayload(View(kViolationsPayload), absl::Cord(payload));
+  status.SetPayload(AbslView(kViolationsPayload), absl::Cord(payload));
   return status;
 }
 
 absl::Status ResourceNotFound(std::string_view name) {
   return Make(absl::StatusCode::kNotFound, "RESOURCE_NOT_FOUND", name,
-              absl::StrCat("there is no '", View(name), "'"));
+              absl::StrCat("there is no '", AbslView(name), "'"));
 }
 
 absl::Status ResourceExists(std::string_view name) {
   return Make(absl::StatusCode::kAlreadyExists, "RESOURCE_EXISTS", name,
-              absl::StrCat("'", View(name), "' exists already"));
+              absl::StrCat("'", AbslView(name), "' exists already"));
 }
 
 absl::Status StaleRevision(std::string_view name, long expected, long actual) {
   return Make(absl::StatusCode::kAborted, "STALE_REVISION", name,
-              absl::StrCat("'", View(name), "' is at revision ", actual, ", not ", expected,
+              absl::StrCat("'", AbslView(name), "' is at revision ", actual, ", not ", expected,
                            "; read it again and repeat the change"));
 }
 
 absl::Status StaleAttempt(std::string_view name, long attempt, long current) {
   return Make(absl::StatusCode::kAborted, "STALE_ATTEMPT", name,
-              absl::StrCat("'", View(name), "' is at attempt ", current, "; the result of attempt ",
-                           attempt, " is refused"));
+              absl::StrCat("'", AbslView(name), "' is at attempt ", current,
+                           "; the result of attempt ", attempt, " is refused"));
 }
 
 absl::Status TooLarge(std::string_view what, std::string_view limit) {
   return Make(absl::StatusCode::kResourceExhausted, "TOO_LARGE", what,
-              absl::StrCat(View(what), " is larger than ", View(limit)));
+              absl::StrCat(AbslView(what), " is larger than ", AbslView(limit)));
 }
 
 absl::Status PreconditionFailed(std::string_view reason, std::string_view message,
@@ -92,7 +92,7 @@ absl::Status PreconditionFailed(std::string_view reason, std::string_view messag
 
 absl::Status RoleRequired(std::string_view method, std::string_view role) {
   return Make(absl::StatusCode::kPermissionDenied, "ROLE_REQUIRED", method,
-              absl::StrCat(View(method), " needs the role '", View(role), "'"));
+              absl::StrCat(AbslView(method), " needs the role '", AbslView(role), "'"));
 }
 
 absl::Status IdentityInvalid(std::string_view message) {
@@ -101,35 +101,36 @@ absl::Status IdentityInvalid(std::string_view message) {
 
 absl::Status PeerUnavailable(std::string_view peer, std::string_view message) {
   return Make(absl::StatusCode::kUnavailable, "PEER_UNAVAILABLE", peer,
-              absl::StrCat(View(peer), ": ", View(message)));
+              absl::StrCat(AbslView(peer), ": ", AbslView(message)));
 }
 
 absl::Status StorageFailed(std::string_view what, std::string_view message) {
   return Make(absl::StatusCode::kInternal, "STORAGE_FAILED", what,
-              absl::StrCat(View(what), ": ", View(message)));
+              absl::StrCat(AbslView(what), ": ", AbslView(message)));
 }
 
 absl::Status NotBuilt(std::string_view what) {
   return Make(absl::StatusCode::kUnimplemented, "NOT_BUILT", what,
-              absl::StrCat(View(what), " is not built yet"));
+              absl::StrCat(AbslView(what), " is not built yet"));
 }
 
 absl::Status WithDetail(absl::Status status, const ErrorDetail& detail) {
-  status.SetPayload(View(kReasonPayload), absl::Cord(detail.reason));
-  status.SetPayload(View(kFieldPayload), absl::Cord(detail.field));
+  status.SetPayload(AbslView(kReasonPayload), absl::Cord(detail.reason));
+  status.SetPayload(AbslView(kFieldPayload), absl::Cord(detail.field));
   return status;
 }
 
 ErrorDetail DetailOf(const absl::Status& status) {
   ErrorDetail detail;
-  if (auto reason = status.GetPayload(View(kReasonPayload))) detail.reason = std::string(*reason);
-  if (auto field = status.GetPayload(View(kFieldPayload))) detail.field = std::string(*field);
+  if (auto reason = status.GetPayload(AbslView(kReasonPayload)))
+    detail.reason = std::string(*reason);
+  if (auto field = status.GetPayload(AbslView(kFieldPayload))) detail.field = std::string(*field);
   return detail;
 }
 
 std::vector<FieldViolation> ViolationsOf(const absl::Status& status) {
   std::vector<FieldViolation> violations;
-  const auto payload = status.GetPayload(View(kViolationsPayload));
+  const auto payload = status.GetPayload(AbslView(kViolationsPayload));
   if (!payload) return violations;
   const std::string text(*payload);
   for (std::string_view rest = text; !rest.empty();) {
@@ -143,15 +144,16 @@ absl::Status UnderField(std::string_view prefix, const absl::Status& status) {
   if (status.ok()) return status;
   std::vector<FieldViolation> violations = ViolationsOf(status);
   for (FieldViolation& violation : violations) {
-    violation.field = absl::StrCat(View(prefix), ".", violation.field);
+    violation.field = absl::StrCat(AbslView(prefix), ".", violation.field);
   }
   if (!violations.empty()) return InvalidFields(violations);
   ErrorDetail detail = DetailOf(status);
   const char* const separator = detail.field.empty() ? ": " : ".";
-  detail.field =
-      detail.field.empty() ? std::string(prefix) : absl::StrCat(View(prefix), ".", detail.field);
+  detail.field = detail.field.empty() ? std::string(prefix)
+                                      : absl::StrCat(AbslView(prefix), ".", detail.field);
   return WithDetail(
-      absl::Status(status.code(), absl::StrCat(View(prefix), separator, status.message())), detail);
+      absl::Status(status.code(), absl::StrCat(AbslView(prefix), separator, status.message())),
+      detail);
 }
 
 }  // namespace mortise

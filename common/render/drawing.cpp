@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
+#include "common/base/text_escapes.h"
 
 namespace mortise::render {
 namespace {
@@ -81,7 +81,7 @@ std::string TextSvg(const Drawing::Text& text) {
   return absl::StrFormat(
       "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%.1f\" text-anchor=\"%s\" fill=\"%s\">%s</text>\n",
       text.position.x(), text.position.y(), text.size, anchor, HexColor(text.color),
-      absl::StrReplaceAll(text.text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}}));
+      EscapeXml(text.text));
 }
 
 // Samples of a drawing, `scale` for each of its pixels.

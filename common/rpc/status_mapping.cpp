@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/base/string_views.h"
 #include "google/rpc/status.pb.h"
 
 namespace mortise::rpc {
@@ -65,8 +66,6 @@ std::string Printable(std::string_view text, std::size_t limit) {
   return result;
 }
 
-std::string_view View(absl::string_view text) { return {text.data(), text.size()}; }
-
 // As many of the fields at fault as there is room for.
 google::rpc::BadRequest ToBadRequest(const absl::Status& status, const ErrorDetail& detail) {
   google::rpc::BadRequest bad_request;
@@ -94,8 +93,8 @@ google::rpc::Status ToProto(const absl::Status& status) {
   google::rpc::Status proto;
   proto.set_code(static_cast<int>(WireCode(status.code())));
   const bool several = !ViolationsOf(status).empty();
-  proto.set_message(
-      Printable(View(status.message()), several ? kLongestMessageOfSeveral : kLongestMessage));
+  proto.set_message(Printable(StandardView(status.message()),
+                              several ? kLongestMessageOfSeveral : kLongestMessage));
   const ErrorDetail detail = DetailOf(status);
   if (detail.reason.empty() && detail.field.empty()) return proto;
 

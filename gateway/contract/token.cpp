@@ -19,6 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/freed_by.h"
+#include "common/base/string_views.h"
 
 namespace mortise::gateway {
 namespace {
@@ -38,8 +39,6 @@ constexpr std::size_t kMaximalTokenBytes = 16 * 1024;
 constexpr std::size_t kLongestName = 64;      // of a caller's that is told back
 constexpr double kLatestTime = 253402300799;  // the end of the year 9999
 
-absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
-
 const unsigned char* Bytes(std::string_view text) {
   return reinterpret_cast<const unsigned char*>(text.data());
 }
@@ -51,7 +50,7 @@ std::optional<std::string> FromBase64Url(std::string_view text) {
     return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
   });
   if (!plain) return std::nullopt;
-  if (!absl::WebSafeBase64Unescape(View(text), &decoded)) return std::nullopt;
+  if (!absl::WebSafeBase64Unescape(AbslView(text), &decoded)) return std::nullopt;
   return decoded;
 }
 
@@ -86,7 +85,7 @@ EvpKey RsaKey(std::string_view modulus, std::string_view exponent) {
 
 EvpKey EllipticKey(std::string_view x, std::string_view y) {
   if (x.size() != 32 || y.size() != 32) return nullptr;
-  const std::string point = absl::StrCat("\x04", View(x), View(y));
+  const std::string point = absl::StrCat("\x04", AbslView(x), AbslView(y));
   const ParamBuild build(OSSL_PARAM_BLD_new());
   OSSL_PARAM_BLD_push_utf8_string(build.get(), OSSL_PKEY_PARAM_GROUP_NAME, "prime256v1", 0);
   OSSL_PARAM_BLD_push_octet_string(build.get(), OSSL_PKEY_PARAM_PUB_KEY, point.data(),
@@ -379,7 +378,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
 std::optional<std::string_view> BearerToken(std::string_view authorization) {
   constexpr std::string_view kScheme = "bearer ";
   if (authorization.size() <= kScheme.size() ||
-      !absl::StartsWithIgnoreCase(View(authorization), View(kScheme))) {
+      !absl::StartsWithIgnoreCase(AbslView(authorization), AbslView(kScheme))) {
     return std::nullopt;
   }
   authorization.remove_prefix(kScheme.size());

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "common/base/string_views.h"
 
 namespace mortise::gateway {
 namespace {
@@ -28,8 +29,6 @@ std::size_t CodeIndex(int code) {
   return code >= 0 && code < static_cast<int>(kCodeNames.size()) ? static_cast<std::size_t>(code)
                                                                  : 2;
 }
-
-absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
 
 // Everything else that reaches a line consists of characters that JSON takes as they are.
 void AppendQuoted(std::string& line, std::string_view text) {
@@ -113,10 +112,10 @@ void CallLog::Append(const CallRecord& record) {
       std::chrono::duration_cast<std::chrono::microseconds>(record.duration).count();
   std::string line = absl::StrCat(
       R"({"time":")", absl::FormatTime("%Y-%m-%dT%H:%M:%E6SZ", absl::Now(), absl::UTCTimeZone()),
-      R"(","level":"info","service":"gateway","message":"call","trace":")", View(record.request_id),
-      R"(","method":")");
+      R"(","level":"info","service":"gateway","message":"call","trace":")",
+      AbslView(record.request_id), R"(","method":")");
   AppendQuoted(line, record.method == nullptr ? record.path : record.method->full_name);
-  absl::StrAppend(&line, R"(","subject":")", View(record.subject), R"(","code":")",
+  absl::StrAppend(&line, R"(","subject":")", AbslView(record.subject), R"(","code":")",
                   kCodeNames[CodeIndex(record.code)], R"(","microseconds":")", micros, "\"}\n");
   bool wake = false;
   {

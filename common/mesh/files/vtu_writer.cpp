@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
+#include "common/base/text_escapes.h"
 
 namespace mortise::mesh {
 namespace {
@@ -24,11 +24,9 @@ class AppendedData {
   template <typename Number>
   std::string Array(const char* type, const std::string& name, int components, const Number* values,
                     std::size_t count) {
-    const std::string escaped =
-        absl::StrReplaceAll(name, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
-    const std::string xml =
-        absl::StrCat("<DataArray type=\"", type, "\" Name=\"", escaped, "\" NumberOfComponents=\"",
-                     components, "\" format=\"appended\" offset=\"", bytes_.size(), "\"/>\n");
+    const std::string xml = absl::StrCat(
+        "<DataArray type=\"", type, "\" Name=\"", EscapeXml(name), "\" NumberOfComponents=\"",
+        components, "\" format=\"appended\" offset=\"", bytes_.size(), "\"/>\n");
     const std::uint64_t size = count * sizeof(Number);
     bytes_.append(reinterpret_cast<const char*>(&size), sizeof size);
     bytes_.append(reinterpret_cast<const char*>(values), size);

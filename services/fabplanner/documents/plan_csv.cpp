@@ -7,21 +7,16 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
+#include "common/base/text_escapes.h"
 #include "services/fabplanner/plan/bill_of_materials.h"
 #include "services/fabplanner/plan/dimension_text.h"
 
 namespace mortise::fabplanner {
 namespace {
 
-std::string Field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
-}
-
 void AppendRow(const std::vector<std::string>& fields, std::string* csv) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    absl::StrAppend(csv, i == 0 ? "" : ",", Field(fields[i]));
+    absl::StrAppend(csv, i == 0 ? "" : ",", CsvField(fields[i]));
   }
   csv->append("\r\n");
 }

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
+#include "common/base/text_escapes.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -26,8 +26,7 @@ constexpr char kStyle[] =
 std::string SvgDrawing::Escape(const std::string& text) {
   std::string clean;
   for (char c : text) clean += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  return absl::StrReplaceAll(
-      clean, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
+  return EscapeXml(clean);
 }
 
 double SvgDrawing::TextWidth(const std::string& text, double size) {

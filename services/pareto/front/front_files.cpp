@@ -8,22 +8,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "common/base/text_escapes.h"
 #include "common/render/drawing.h"
 #include "mortise/v1/pareto.pb.h"
 #include "services/pareto/front/front_picture.h"
 
 namespace mortise::pareto {
 namespace {
-
-std::string Quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
 
 std::string Label(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : absl::StrCat(name, " (", unit, ")");
@@ -89,26 +80,26 @@ std::string FrontAsCsv(const v1::Front& front) {
   std::string csv;
   for (int i = 0; i < front.parameter_names_size(); ++i) {
     const std::string& name = front.parameter_names(i);
-    absl::StrAppend(&csv, Quoted(name), ",");
-    if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(Label(name, "choice")), ",");
+    absl::StrAppend(&csv, CsvField(name), ",");
+    if (IsChoice(front, i)) absl::StrAppend(&csv, CsvField(Label(name, "choice")), ",");
   }
   for (int i = 0; i < front.metric_names_size(); ++i) {
-    absl::StrAppend(&csv, Quoted(MetricLabel(front, i)), ",");
+    absl::StrAppend(&csv, CsvField(MetricLabel(front, i)), ",");
   }
   for (int i = 0; i < front.specification().constraints_size(); ++i) {
-    absl::StrAppend(&csv, Quoted(ConstraintLabel(front, i)), ",");
+    absl::StrAppend(&csv, CsvField(ConstraintLabel(front, i)), ",");
   }
   const bool robust = front.specification().tolerances_size() > 0;
   for (int i = 0; robust && i < front.metric_names_size(); ++i) {
     const std::string &name = front.metric_names(i), &unit = front.metric_units(i);
-    absl::StrAppend(&csv, Quoted(Label(absl::StrCat("mean ", name), unit)), ",",
-                    Quoted(Label(absl::StrCat("deviation of ", name), unit)), ",");
+    absl::StrAppend(&csv, CsvField(Label(absl::StrCat("mean ", name), unit)), ",",
+                    CsvField(Label(absl::StrCat("deviation of ", name), unit)), ",");
   }
   csv += "piece\r\n";
   for (const v1::FrontPoint& point : front.points()) {
     for (int i = 0; i < point.parameters_size(); ++i) {
       absl::StrAppendFormat(&csv, "%.17g,", point.parameters(i));
-      if (IsChoice(front, i)) absl::StrAppend(&csv, Quoted(point.choices(i)), ",");
+      if (IsChoice(front, i)) absl::StrAppend(&csv, CsvField(point.choices(i)), ",");
     }
     for (const double value : point.metrics()) absl::StrAppendFormat(&csv, "%.17g,", value);
     for (const double value : point.constraint_metrics()) {

@@ -124,9 +124,9 @@ void EvaluationBatch::Evaluate(std::vector<Evaluation> evaluations) {
   std::vector<Queued> queued;
   for (Evaluation& evaluation : evaluations) {
     std::string key = ResultKey(evaluation.task);
-    if (const auto known = cache_->Find(key)) {
-      v1::EvaluationResult result;
-      result.ParseFromString(*known);
+    v1::EvaluationResult result;
+    // What is kept and damaged is evaluated again.
+    if (const auto known = cache_->Find(key); known && result.ParseFromString(*known)) {
       result.set_cached(true);
       evaluation.receive(std::move(result));
       continue;

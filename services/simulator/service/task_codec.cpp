@@ -1,6 +1,7 @@
 #include "services/simulator/service/task_codec.h"
 
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
 namespace mortise::simulator {
 namespace {
@@ -25,9 +26,11 @@ v1::TaskState ToProto(store::TaskState state) {
 
 }  // namespace
 
-v1::Task ToProto(const store::Task& task) {
+absl::StatusOr<v1::Task> ToProto(const store::Task& task) {
   v1::Task message;
-  message.ParseFromString(task.payload);
+  if (!message.ParseFromString(task.payload)) {
+    return StorageFailed(absl::StrCat("tasks/", task.key), "the record cannot be read");
+  }
   message.set_name(absl::StrCat("tasks/", task.key));
   message.set_evaluator(task.queue);
   message.set_attempt(static_cast<int>(task.attempt));

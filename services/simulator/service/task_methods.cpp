@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/logging.h"
 #include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
@@ -82,13 +83,27 @@ absl::Status FailureFrom(const v1::EvaluationResult& result, const absl::Status&
       field);
 }
 
-v1::ListTasksResponse::TaskAndError EntryOf(const store::Task& task) {
+absl::StatusOr<v1::ListTasksResponse::TaskAndError> EntryOf(const store::Task& task) {
   v1::ListTasksResponse::TaskAndError entry;
-  *entry.mutable_task() = ToProto(task);
+  MORTISE_ASSIGN_OR_RETURN(*entry.mutable_task(), ToProto(task));
   if (const absl::Status error = TaskError(task); IsFinished(task) && !error.ok()) {
     *entry.mutable_error() = rpc::ToProto(error);
   }
   return entry;
+}
+
+// A damaged task is left out: its lease runs out until it has had all of its attempts.
+v1::LeaseTasksResponse ToLease(const std::vector<store::Task>& tasks) {
+  v1::LeaseTasksResponse response;
+  for (const store::Task& task : tasks) {
+    absl::StatusOr<v1::Task> message = ToProto(task);
+    if (message.ok()) {
+      *response.add_tasks() = *std::move(message);
+    } else {
+      Log(LogLevel::kError, "task cannot be read", {{"error", message.status().message()}});
+    }
+  }
+  return response;
 }
 
 // What a worker says of its attempt, on the way into the store.
@@ -215,9 +230,7 @@ absl::Status LeaseTasks(const Simulator& simulator, const rpc::Call& call,
                   if (tasks.ok() && tasks->empty() && absl::Now() < deadline) return false;
                   waiting->answered = true;
                   if (tasks.ok()) {
-                    v1::LeaseTasksResponse response;
-                    for (const store::Task& task : *tasks) *response.add_tasks() = ToProto(task);
-                    waiting->respond(response);
+                    waiting->respond(ToLease(*tasks));
                   } else {
                     waiting->respond(tasks.status());
                   }
@@ -327,7 +340,7 @@ absl::StatusOr<v1::ListTasksResponse> ListTasks(const Simulator& simulator, cons
               const auto tasks,
               read.ListTasks(queue, {.after_key = after, .limit = kListedAtOnce}));
           for (const store::Task& task : tasks) {
-            v1::ListTasksResponse::TaskAndError entry = EntryOf(task);
+            MORTISE_ASSIGN_OR_RETURN(v1::ListTasksResponse::TaskAndError entry, EntryOf(task));
             const bool is_wanted = asked.state() == v1::TASK_STATE_UNSPECIFIED ||
                                    entry.task().state() == asked.state();
             if (!is_wanted) continue;

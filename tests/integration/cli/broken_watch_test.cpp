@@ -16,7 +16,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST_F(LongWorkTest, GoesOnWithTheTokenThatIsInTheFileOnceTheFirstHasExpired) {
+TEST_F(LongWorkTest, GoesOnWithTheNewTokenOfTheFile) {
   const std::filesystem::path token = folder_.path() / "token";
   ASSERT_TRUE(WriteFile(token, "first\n").ok());
   house_.SetToken("first");

@@ -9,18 +9,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/string_views.h"
 #include "common/mesh/scenes/cleaning/scene_limits.h"
 #include "common/mesh/scenes/cleaning/text_lines.h"
 
 namespace mortise::mesh {
-namespace {
-
-absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
-
-}  // namespace
-
 absl::Status FaultAtLine(long line, std::string_view what) {
-  return InvalidField("file", absl::StrCat("line ", line, ": ", View(what)));
+  return InvalidField("file", absl::StrCat("line ", line, ": ", AbslView(what)));
 }
 
 std::string TooManyComponents(std::size_t count) {
@@ -33,7 +28,8 @@ absl::Status ObjectText::AddVertex(const std::vector<std::string_view>& words, l
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::optional<double> number = DecimalNumber(words[i]);
     if (!number) {
-      return FaultAtLine(line, absl::StrCat("\"", View(words[i].substr(0, 20)), "\" is no number"));
+      return FaultAtLine(line,
+                         absl::StrCat("\"", AbslView(words[i].substr(0, 20)), "\" is no number"));
     }
     const auto single = static_cast<float>(*number);
     if (!std::isfinite(single)) return FaultAtLine(line, "a coordinate is not finite");

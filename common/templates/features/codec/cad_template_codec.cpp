@@ -36,17 +36,10 @@ class FeatureReader {
         feature.kind = ReadSketch(message.sketch());
         break;
       case v1::Feature::kExtrude:
-        feature.kind =
-            Extrude{message.extrude().sketch(), message.extrude().from(), message.extrude().to(),
-                    ReadOperation(message.extrude().operation()), message.extrude().body()};
+        feature.kind = ReadExtrude(message.extrude());
         break;
       case v1::Feature::kRevolve:
-        feature.kind = Revolve{message.revolve().sketch(),
-                               Pair(message.revolve().axis_point()),
-                               Pair(message.revolve().axis_direction()),
-                               message.revolve().angle(),
-                               ReadOperation(message.revolve().operation()),
-                               message.revolve().body()};
+        feature.kind = ReadRevolve(message.revolve());
         break;
       case v1::Feature::kSweep:
         feature.kind = Sweep{message.sweep().sketch(), message.sweep().path(),
@@ -96,6 +89,16 @@ class FeatureReader {
   }
 
  private:
+  Extrude ReadExtrude(const v1::Extrude& message) {
+    return {message.sketch(), message.from(), message.to(), ReadOperation(message.operation()),
+            message.body()};
+  }
+
+  Revolve ReadRevolve(const v1::Revolve& message) {
+    return {message.sketch(), Pair(message.axis_point()),         Pair(message.axis_direction()),
+            message.angle(),  ReadOperation(message.operation()), message.body()};
+  }
+
   Operation ReadOperation(v1::Feature::Operation operation) {
     switch (operation) {
       case v1::Feature::OPERATION_UNSPECIFIED:

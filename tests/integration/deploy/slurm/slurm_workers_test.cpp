@@ -339,7 +339,7 @@ TEST_F(SlurmWorkersTest, WorkerComesBackWhenItsNodeHasFailed) {
   Output("scontrol update NodeName=" + node + " State=resume");
 }
 
-TEST_F(SlurmWorkersTest, LimitsOfTheJobAreThoseOfTheWorkerAndSecretsStayInTheirFile) {
+TEST_F(SlurmWorkersTest, JobHasTheLimitsOfItsWorkerAndNoSecrets) {
   const std::string job =
       JobIn(Output("export MORTISE_TOKEN=secret LICENSE_KEY=secret\n" + kSubmit +
                    "--memory 1 --logs logs --time 30 --task-seconds 3000"));

@@ -229,7 +229,7 @@ TEST_F(FabPlannerServiceTest, TheAlarmOfAMachineWithoutOrdersIsClearedByItsName)
 }
 
 // Nobody could have looked at it.
-TEST_F(FabPlannerServiceTest, AnAlarmThatRoseWhileTheBridgeWasAwayIsNotClearedByAnEarlierResume) {
+TEST_F(FabPlannerServiceTest, AnEarlierResumeClearsNoAlarmThatRoseMeanwhile) {
   const v1::Operation operation = Release(PlanTable());
   FakeBridge bridge("north");
   bridge.Connect(process_.address(), {.cuts_before_silence = 1});

@@ -78,7 +78,7 @@ class UntrueMachineTest : public testing::Test {
   std::unique_ptr<MachineWorker> worker_;
 };
 
-TEST_F(UntrueMachineTest, ANumberThatIsNeverAcceptedIsWrittenFiveTimesASecondApartThenHeld) {
+TEST_F(UntrueMachineTest, ANumberNeverAcceptedIsWrittenFiveTimesThenHeld) {
   Give(1);
   Scan(120.0);
   ASSERT_EQ(machine_.numbers.size(), 5u);
@@ -107,7 +107,7 @@ TEST_F(UntrueMachineTest, ANumberThatIsNeverAcceptedIsWrittenFiveTimesASecondApa
   EXPECT_EQ(machine_.numbers.back().number, 1u);
 }
 
-TEST_F(UntrueMachineTest, ACutThatNeverEndsRaisesTheAlarmAndIsNeitherRepeatedNorCalledDone) {
+TEST_F(UntrueMachineTest, ACutThatNeverEndsRaisesTheAlarm) {
   GiveNumberOne();
   machine_.Echo(1, 0, JobResult::kNone);
   Scan(290.0);

@@ -6,21 +6,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "common/base/text_escapes.h"
 #include "common/render/axis_numbers.h"
 
 namespace mortise::retrieval {
-namespace {
-
-std::string CsvCell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
-}
-
-}  // namespace
-
 std::string TableNumber(double value, int digits) { return render::ShortNumber(value, digits); }
 
 std::string TablePercent(double part) { return absl::StrFormat("%.1f", 100 * part); }
@@ -28,7 +19,7 @@ std::string TablePercent(double part) { return absl::StrFormat("%.1f", 100 * par
 std::string AsCsv(const ResultTable& table) {
   const auto line = [](const std::vector<std::string>& cells) {
     return absl::StrJoin(cells, ",", [](std::string* to, const std::string& cell) {
-      absl::StrAppend(to, CsvCell(cell));
+      absl::StrAppend(to, CsvField(cell));
     });
   };
   std::string text = line(table.columns) + "\n";

@@ -79,7 +79,7 @@ TEST(FastenerHolesTest, AHeadBelowTheSurfaceIsCounterbored) {
   ExpectHole(holes[2], "lower", HoleKind::kPilot, 0.003, 0.012, false, 0.018, -1);
 }
 
-TEST(FastenerHolesTest, AScrewThatIsFlushAtBothEndsHasItsHeadInTheThinnerPart) {
+TEST(FastenerHolesTest, AScrewFlushAtBothEndsHasItsHeadInTheThinnerPart) {
   for (const double lower : {0.012, 0.024}) {
     Design design;
     for (int i = 0; i < 2; ++i) {

@@ -37,7 +37,7 @@ TEST(TangentFit, OnACircleRadiusFollowsCurvature) {
   EXPECT_GE(left, 0.006);
 }
 
-TEST(TangentFit, OnALineRadiusGoesToTheNearerEndAndNineTenthsOfDeltaOn) {
+TEST(TangentFit, RadiusOnALineEndsNineTenthsOfDeltaBeyondItsEnd) {
   const FunctionManifold manifold(testing::Line(1));
   const VectorXd q = VectorXd::Constant(1, 0.5);
   const Primitive tangent = TangentAt(manifold, q, 0.05, 1);
