@@ -6,8 +6,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "common/base/errors.h"
+#include "common/base/logging.h"
 #include "common/store/blob_folder.h"
+#include "common/store/blob_upkeep.h"
 #include "mortise/v1/types.pb.h"
 
 namespace mortise::rpc {
@@ -21,13 +24,6 @@ bool IsDigest(const std::string& text) {
            return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
          });
 }
-
-// What is known of a file without reading it.
-struct KeptFile {
-  std::string sha256;
-  int64_t bytes = 0;
-  absl::Time uploaded_at;
-};
 
 std::string PayloadOf(int64_t bytes) { return nlohmann::json{{"bytes", bytes}}.dump(); }
 
@@ -120,12 +116,14 @@ absl::Status IncomingFile::MakeRoom(const std::string& sha256) {
             [](const KeptFile& a, const KeptFile& b) { return a.uploaded_at < b.uploaded_at; });
   const auto young = std::find_if(files.begin(), files.end(),
                                   [&](const KeptFile& each) { return each.uploaded_at >= spared; });
-  const int64_t of_young = TotalBytes({young, files.end()});
-  if (of_young + bytes_ > kind_.most_together) return NoRoom(of_young);
+  MORTISE_RETURN_IF_ERROR(CheckRoomBeside({young, files.end()}));
   int64_t together = TotalBytes(files) + bytes_;
-  for (auto old = files.begin(); old != young && together > kind_.most_together; ++old) {
+  auto count = static_cast<int64_t>(files.size()) + 1;
+  for (auto old = files.begin();
+       old != young && (together > kind_.most_together || count > kind_.most_files); ++old) {
     MORTISE_RETURN_IF_ERROR(Forget(store_, blobs_, kind_, old->sha256, spared).status());
     together -= old->bytes;
+    --count;
   }
   return absl::OkStatus();
 }
@@ -134,17 +132,37 @@ absl::Status IncomingFile::PutRecord(const std::string& sha256) {
   return store_.Transact([&](store::Transaction& transaction) -> absl::Status {
     MORTISE_ASSIGN_OR_RETURN(std::vector<KeptFile> others, ListFiles(transaction, blobs_, kind_));
     std::erase_if(others, [&](const KeptFile& each) { return each.sha256 == sha256; });
-    if (TotalBytes(others) + bytes_ > kind_.most_together) return NoRoom(TotalBytes(others));
+    MORTISE_RETURN_IF_ERROR(CheckRoomBeside(others));
     return transaction.Put(kind_.records, sha256, PayloadOf(bytes_)).status();
   });
 }
 
-absl::Status IncomingFile::NoRoom(int64_t beside) const {
+// Whether this file has room beside others that stay.
+absl::Status IncomingFile::CheckRoomBeside(const std::vector<KeptFile>& others) const {
+  const int64_t together = TotalBytes(others);
+  const auto count = static_cast<int64_t>(others.size());
+  const bool are_too_many = count + 1 > kind_.most_files;
+  if (!are_too_many && together + bytes_ <= kind_.most_together) return absl::OkStatus();
+  const std::string limit =
+      are_too_many ? absl::StrCat(count, " of ", kind_.most_files, " that there may be")
+                   : absl::StrCat(together, " of ", kind_.most_together,
+                                  " bytes that all may take, and this one has ", bytes_);
+  const auto oldest = std::min_element(
+      others.begin(), others.end(),
+      [](const KeptFile& a, const KeptFile& b) { return a.uploaded_at < b.uploaded_at; });
+  const std::string advice =
+      oldest == others.end()
+          ? ""
+          : absl::StrCat(
+                "; the oldest of them makes room in ",
+                absl::FormatDuration(absl::Ceil(
+                    std::max(oldest->uploaded_at + kind_.grace - store_.Now(), absl::Seconds(1)),
+                    absl::Seconds(1))),
+                ": upload it again then");
   return WithDetail(absl::ResourceExhaustedError(absl::StrCat(
-                        "the ", kind_.records, " uploaded within the last hour take ", beside,
-                        " of ", kind_.most_together, " bytes, which leaves no room for ", bytes_,
-                        " more: upload it again later")),
-                    {kind_.full_reason, "total_size"});
+                        "there is no room for more ", kind_.records, ": those of the last ",
+                        absl::FormatDuration(kind_.grace), " are ", limit, advice)),
+                    {kind_.full_reason, are_too_many ? "sha256" : "total_size"});
 }
 
 absl::StatusOr<std::string> GetUploaded(store::Store& store, store::BlobFolder* blobs,
@@ -173,6 +191,23 @@ absl::StatusOr<int64_t> ForgetUploaded(store::Store& store, store::BlobFolder* b
     if (gone) ++forgotten;
   }
   return forgotten;
+}
+
+void TidyUploads(store::Store& store, store::BlobFolder* blobs, const std::filesystem::path& folder,
+                 const UploadedKind& kind) {
+  const auto forgotten = ForgetUploaded(store, blobs, kind, store.Now() - kind.life);
+  if (!forgotten.ok()) {
+    Log(LogLevel::kWarning, absl::StrCat("old ", kind.records, " could not be removed"),
+        {{"error", forgotten.status().ToString()}});
+  } else if (*forgotten > 0) {
+    Log(LogLevel::kInfo, absl::StrCat("forgot ", kind.records, " that were uploaded"),
+        {{kind.records, *forgotten}});
+  }
+  const auto abandoned = store::RemoveAbandonedParts(folder, absl::Now() - kind.life);
+  if (!abandoned.ok()) {
+    Log(LogLevel::kWarning, "unfinished uploads could not be removed",
+        {{"error", abandoned.status().ToString()}});
+  }
 }
 
 }  // namespace mortise::rpc

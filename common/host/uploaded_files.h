@@ -8,8 +8,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -27,8 +29,18 @@ struct UploadedKind {
   std::string full_reason;  // where there is no room: "DRAWINGS_FULL"
   int64_t most_in_one = 0;  // bytes
   int64_t most_together = int64_t{2} << 30;  // bytes
+  // However small they are: each is a record and a file, and each upload looks at all of them.
+  int64_t most_files = 4'000;
   // How long a file is not forgotten to make room for others: who uploads one is about to use it.
   absl::Duration grace = absl::Hours(1);
+  absl::Duration life = absl::Hours(24);  // since it was last uploaded
+};
+
+// What is known of a file without reading it.
+struct KeptFile {
+  std::string sha256;
+  int64_t bytes = 0;
+  absl::Time uploaded_at;  // last
 };
 
 // A file that is coming. Nothing is kept of one that breaks off or is refused.
@@ -40,15 +52,16 @@ class IncomingFile {
   // As ChunkAssembler::Append: what is too large is refused with its first chunk, if that says so.
   absl::Status Append(const v1::Chunk& chunk);
 
-  // Keeps the file; its digest. If all of the kind together would take more than they may, those
-  // that were last uploaded longest ago are forgotten, but none within the grace.
-  // RESOURCE_EXHAUSTED with the kind's reason if that makes no room; fails as ChunkAssembler does.
+  // Keeps the file; its digest. If all of the kind together would take more than they may, or be
+  // more than they may be, those that were last uploaded longest ago are forgotten, but none within
+  // the grace. RESOURCE_EXHAUSTED with the kind's reason if that makes no room, saying which limit
+  // it is and when there will be some; fails as ChunkAssembler does.
   absl::StatusOr<std::string> Keep();
 
  private:
   absl::Status MakeRoom(const std::string& sha256);
   absl::Status PutRecord(const std::string& sha256);
-  absl::Status NoRoom(int64_t beside) const;
+  absl::Status CheckRoomBeside(const std::vector<KeptFile>& others) const;
 
   store::Store& store_;
   store::BlobFolder* const blobs_;
@@ -86,5 +99,11 @@ absl::StatusOr<std::string> GetUploaded(store::Store& store, store::BlobFolder* 
 // Forgets the files that were last uploaded before `time`. Returns how many.
 absl::StatusOr<int64_t> ForgetUploaded(store::Store& store, store::BlobFolder* blobs,
                                        const UploadedKind& kind, absl::Time time);
+
+// Forgets the files that have outlived their kind, and removes from `folder`, where the blobs are,
+// uploads that broke off with the process that received them as long ago. What fails is logged: it
+// is done again and again (common/base/repeated_work.h).
+void TidyUploads(store::Store& store, store::BlobFolder* blobs, const std::filesystem::path& folder,
+                 const UploadedKind& kind);
 
 }  // namespace mortise::rpc

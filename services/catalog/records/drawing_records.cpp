@@ -3,12 +3,10 @@
 #include <utility>
 
 #include "common/cad/step/step_reader.h"
-#include "common/host/uploaded_files.h"
 
 namespace mortise::catalog {
-namespace {
 
-rpc::UploadedKind Drawings(int64_t most = kMostDrawingBytes) {
+rpc::UploadedKind Drawings(int64_t most) {
   return {.records = "drawings",
           .field = "drawing",
           .full_reason = "DRAWINGS_FULL",
@@ -16,8 +14,6 @@ rpc::UploadedKind Drawings(int64_t most = kMostDrawingBytes) {
           .most_together = most,
           .grace = kDrawingGrace};
 }
-
-}  // namespace
 
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
     store::Store* store, store::BlobFolder* blobs, int64_t most) {
@@ -28,11 +24,6 @@ std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> Receive
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,
                                        const std::string& sha256) {
   return rpc::GetUploaded(*store, blobs, Drawings(), sha256);
-}
-
-absl::StatusOr<int64_t> ForgetDrawings(store::Store* store, store::BlobFolder* blobs,
-                                       absl::Time time) {
-  return rpc::ForgetUploaded(*store, blobs, Drawings(), time);
 }
 
 }  // namespace mortise::catalog

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/host/uploaded_files.h"
 #include "common/rpc/stream_reactors.h"
 #include "common/store/blob_folder.h"
 #include "common/store/store.h"
@@ -21,20 +22,19 @@ inline constexpr int64_t kMostDrawingBytes = int64_t{2} << 30;
 // it.
 inline constexpr absl::Duration kDrawingGrace = absl::Hours(1);
 
+// What drawings are among uploads. `most`: bytes of all together.
+rpc::UploadedKind Drawings(int64_t most = kMostDrawingBytes);
+
 // Receives one file, at most as large as cad::kMaxStepBytes. If all drawings together would take
-// more than `most` bytes, those that were last uploaded longest ago are forgotten, but none within
-// kDrawingGrace. RESOURCE_EXHAUSTED naming the limit, reason DRAWINGS_FULL if it is that of all
-// together; INVALID_ARGUMENT naming "offset", "data", "total_size" or "sha256". Nothing is kept of
-// an upload that breaks off or is refused.
+// more than `most` bytes, or be more than 4,000, those that were last uploaded longest ago are
+// forgotten, but none within kDrawingGrace. RESOURCE_EXHAUSTED naming the limit, reason
+// DRAWINGS_FULL if it is one of all together; INVALID_ARGUMENT naming "offset", "data",
+// "total_size" or "sha256". Nothing is kept of an upload that breaks off or is refused.
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
     store::Store* store, store::BlobFolder* blobs, int64_t most = kMostDrawingBytes);
 
 // The bytes of a drawing that was uploaded. INVALID_ARGUMENT, "drawing", for one that was not.
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,
                                        const std::string& sha256);
-
-// Forgets the drawings that were last uploaded before `time`. Returns how many.
-absl::StatusOr<int64_t> ForgetDrawings(store::Store* store, store::BlobFolder* blobs,
-                                       absl::Time time);
 
 }  // namespace mortise::catalog

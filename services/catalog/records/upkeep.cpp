@@ -2,9 +2,8 @@
 
 #include <chrono>
 
-#include "absl/time/clock.h"
 #include "common/base/logging.h"
-#include "common/store/blob_upkeep.h"
+#include "common/host/uploaded_files.h"
 #include "common/store/store.h"
 #include "services/catalog/records/drawing_records.h"
 #include "services/catalog/records/shape_sweep.h"
@@ -24,19 +23,7 @@ void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem
   } else if (!shapes->empty()) {
     Log(LogLevel::kInfo, "removed shapes that nothing refers to", {{"shapes", shapes->size()}});
   }
-  const auto drawings = ForgetDrawings(store, blobs, store->Now() - kDrawingLife);
-  if (!drawings.ok()) {
-    Log(LogLevel::kWarning, "old drawings could not be removed",
-        {{"error", drawings.status().ToString()}});
-  } else if (*drawings > 0) {
-    Log(LogLevel::kInfo, "forgot drawings that were uploaded", {{"drawings", *drawings}});
-  }
-  // Uploads that broke off with the process that received them.
-  const auto abandoned = store::RemoveAbandonedParts(folder, absl::Now() - kDrawingLife);
-  if (!abandoned.ok()) {
-    Log(LogLevel::kWarning, "unfinished uploads could not be removed",
-        {{"error", abandoned.status().ToString()}});
-  }
+  rpc::TidyUploads(*store, blobs, folder, Drawings());
 }
 
 Upkeep::Upkeep(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder)

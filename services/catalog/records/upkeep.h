@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "absl/time/time.h"
 #include "common/base/repeated_work.h"
 
 namespace mortise::store {
@@ -14,11 +13,8 @@ class Store;
 
 namespace mortise::catalog {
 
-// How long a drawing stays after it was last uploaded.
-inline constexpr absl::Duration kDrawingLife = absl::Hours(24);
-
-// Does it once: SweepShapes, ForgetDrawings, and RemoveAbandonedParts of `folder`, where the blobs
-// are. What fails is logged; the next time comes.
+// Does it once: SweepShapes, and TidyUploads of drawings, whose blobs are in `folder`. What fails
+// is logged; the next time comes.
 void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder);
 
 // Does it on a thread of its own, until it is destroyed.

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 #include "common/base/repeated_work.h"
 #include "common/rpc/stream_reactors.h"
 #include "mortise/v1/retrieval.pb.h"
@@ -18,31 +17,26 @@ class Store;
 
 namespace mortise::retrieval {
 
-// How long a mesh stays after it was last uploaded.
-inline constexpr absl::Duration kMeshLife = absl::Hours(24);
-
-// Thread safe. Every hour it forgets what is older, on a thread of its own, and removes uploads
-// that broke off with the process that received them.
+// Thread safe. Every hour it forgets what was last uploaded a day ago or longer, on a thread of its
+// own, and removes uploads that broke off with the process that received them.
 class UploadedMeshes {
  public:
   // Store and blobs, which are in `folder`, outlive it.
-  UploadedMeshes(store::Store* store, store::BlobFolder* blobs, std::filesystem::path folder);
+  UploadedMeshes(store::Store* store, store::BlobFolder* blobs,
+                 const std::filesystem::path& folder);
 
   // Receives one file of at most 64 MiB. RESOURCE_EXHAUSTED naming the limit, reason UPLOADS_FULL
-  // where all meshes together would take more than 2 GiB; INVALID_ARGUMENT naming "offset", "data",
-  // "total_size" or "sha256". Nothing is kept of an upload that breaks off or is refused.
+  // where all meshes together would take more than 2 GiB or be more than 4,000; INVALID_ARGUMENT
+  // naming "offset", "data", "total_size" or "sha256". Nothing is kept of an upload that breaks off
+  // or is refused.
   std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadMeshResponse>> Receive() const;
 
   // The bytes of a mesh that was uploaded. INVALID_ARGUMENT, "upload", for one that was not.
   absl::StatusOr<std::string> Get(const std::string& sha256) const;
 
-  // Forgets at once what the thread would forget. What fails is logged; the next time comes.
-  void Tidy() const;
-
  private:
   store::Store* const store_;
   store::BlobFolder* const blobs_;
-  const std::filesystem::path folder_;
   const RepeatedWork tidying_;
 };
 

@@ -230,8 +230,8 @@ TEST_F(CatalogReplicasTest, ForgettingADrawingDoesNotTakeTheSameUpload) {
     absl::StatusOr<int64_t> forgotten;
     RunAtOnce({[&] { again = Upload(*first_, bytes); },
                [&] {
-                 forgotten =
-                     ForgetDrawings(second_.get(), blobs_, second_->Now() - absl::Hours(24));
+                 forgotten = rpc::ForgetUploaded(*second_, blobs_, Drawings(),
+                                                 second_->Now() - absl::Hours(24));
                }});
     ASSERT_OK(again);
     ASSERT_OK(forgotten);
