@@ -1,5 +1,6 @@
 #include "services/retrieval/filters/design_filter.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "absl/status/statusor.h"
@@ -10,42 +11,20 @@ namespace {
 constexpr double kNanometre = 1e-9;
 constexpr double kRounding = 1e-9;  // of a number of pieces
 
-bool MeetsSize(const DesignFilter& filter, const parametric::EvaluatedDesign& design) {
-  Eigen::Vector3d lower = design.parts.front().minimum;
-  Eigen::Vector3d upper = design.parts.front().maximum;
-  for (const parametric::EvaluatedPart& part : design.parts) {
-    lower = lower.cwiseMin(part.minimum);
-    upper = upper.cwiseMax(part.maximum);
-  }
-  const Eigen::Array3d size = upper - lower;
+bool MeetsSize(const DesignFilter& filter, const Eigen::Array3d& size) {
   return (size >= filter.min_size.array() - kNanometre).all() &&
          (size <= filter.max_size.array() + kNanometre).all();
 }
 
-bool MeetsMaterials(const std::set<std::string>& materials,
-                    const parametric::EvaluatedDesign& design) {
-  bool has_any = false;
-  for (const parametric::EvaluatedPart& part : design.parts) {
-    if (part.connecting) continue;
-    if (!materials.contains(part.material)) return false;
-    has_any = true;
-  }
-  return has_any;
-}
-
-bool MeetsPrice(const parametric::Cost& most, const parametric::EvaluatedDesign& design,
-                const std::vector<parametric::Item>& items) {
-  const absl::StatusOr<parametric::Cost> cost = parametric::CostOf(design, items);
-  return cost.ok() && cost->currency == most.currency && cost->amount <= most.amount;
+bool MeetsMaterials(const std::set<std::string>& wanted, const std::set<std::string>& materials) {
+  return !materials.empty() &&
+         std::all_of(materials.begin(), materials.end(),
+                     [&](const std::string& each) { return wanted.contains(each); });
 }
 
 bool CanBeBuilt(const std::map<std::string, double>& available,
-                const parametric::EvaluatedDesign& design,
-                const std::vector<parametric::Item>& items) {
-  const absl::StatusOr<std::vector<parametric::ItemNeed>> needs =
-      parametric::NeedsOf(design, items);
-  if (!needs.ok()) return false;
-  return std::all_of(needs->begin(), needs->end(), [&](const parametric::ItemNeed& need) {
+                const std::vector<parametric::ItemNeed>& needs) {
+  return std::all_of(needs.begin(), needs.end(), [&](const parametric::ItemNeed& need) {
     const auto found = available.find(need.item);
     return found != available.end() && need.pieces <= found->second + kRounding;
   });
@@ -71,14 +50,31 @@ bool MayMeet(const DesignFilter& filter, const std::vector<std::string>& items,
   return !filter.items || std::any_of(items.begin(), items.end(), has(*filter.items));
 }
 
-bool Meets(const DesignFilter& filter, const parametric::EvaluatedDesign& design,
-           const std::vector<parametric::Item>& items) {
+DesignFacts FactsOf(const parametric::EvaluatedDesign& design,
+                    const std::vector<parametric::Item>& items) {
+  DesignFacts facts;
+  if (design.parts.empty()) return facts;
+  facts.has_parts = true;
+  Eigen::AlignedBox3d box;
+  for (const parametric::EvaluatedPart& part : design.parts) {
+    box.extend(part.minimum).extend(part.maximum);
+    if (!part.connecting) facts.materials.insert(part.material);
+  }
+  facts.size = box.sizes();
+  if (auto cost = parametric::CostOf(design, items); cost.ok()) facts.cost = *std::move(cost);
+  if (auto needs = parametric::NeedsOf(design, items); needs.ok()) facts.needs = *std::move(needs);
+  return facts;
+}
+
+bool Meets(const DesignFilter& filter, const DesignFacts& facts) {
   if (IsEmpty(filter)) return true;
-  if (design.parts.empty()) return false;
-  return MeetsSize(filter, design) &&
-         (!filter.materials || MeetsMaterials(*filter.materials, design)) &&
-         (!filter.max_price || MeetsPrice(*filter.max_price, design, items)) &&
-         (!filter.items || CanBeBuilt(*filter.items, design, items));
+  if (!facts.has_parts || !MeetsSize(filter, facts.size)) return false;
+  if (filter.materials && !MeetsMaterials(*filter.materials, facts.materials)) return false;
+  if (filter.max_price && (!facts.cost || facts.cost->currency != filter.max_price->currency ||
+                           facts.cost->amount > filter.max_price->amount)) {
+    return false;
+  }
+  return !filter.items || (facts.needs && CanBeBuilt(*filter.items, *facts.needs));
 }
 
 }  // namespace mortise::retrieval

@@ -38,9 +38,23 @@ bool IsEmpty(const DesignFilter& filter);
 bool MayMeet(const DesignFilter& filter, const std::vector<std::string>& items,
              const std::vector<std::string>& materials);
 
-// Whether the design meets every part of the filter; `items` are those of its template. A design
-// without parts meets none that is not empty.
-bool Meets(const DesignFilter& filter, const parametric::EvaluatedDesign& design,
-           const std::vector<parametric::Item>& items);
+// What filters look at of a design.
+struct DesignFacts {
+  bool has_parts = false;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m, of the box around it
+  // materials/{id} of all parts, but for those that only hold others together.
+  std::set<std::string> materials;
+  // Nothing where it is not known.
+  std::optional<parametric::Cost> cost;
+  // What it takes of its items; nothing where a part is made of none.
+  std::optional<std::vector<parametric::ItemNeed>> needs;
+};
+
+// `items` are those of the design's template.
+DesignFacts FactsOf(const parametric::EvaluatedDesign& design,
+                    const std::vector<parametric::Item>& items);
+
+// Whether a design meets every part of the filter. One without parts meets none that is not empty.
+bool Meets(const DesignFilter& filter, const DesignFacts& facts);
 
 }  // namespace mortise::retrieval

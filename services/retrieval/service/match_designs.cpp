@@ -1,25 +1,36 @@
 #include "services/retrieval/service/match_designs.h"
 
 #include <algorithm>
-#include <set>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/rpc/channel.h"
 
 namespace mortise::retrieval {
 namespace {
 
-constexpr int kMostDesigns = 1'000;  // that are made for one search
-constexpr int kAtOnce = 20;          // matches that are asked for first, where more may be needed
+constexpr absl::Duration kLongest = absl::Seconds(20);
+constexpr std::size_t kBytesOfEntry = 200;
 
-// Whether the design that a match stands for meets the filter.
-absl::StatusOr<bool> MeetsFilter(const DesignFilter& filter, const IndexMatch& match,
-                                 const LoadedIndex& index, TemplateSource& templates,
-                                 const rpc::Origin& origin) {
-  const absl::StatusOr<MatchDesign> made = DesignOf(match, index, templates, origin);
-  if (made.ok()) return Meets(filter, made->design, made->compiled->function->head().items);
-  if (IsPassingFailure(made.status())) return made.status();
-  return false;
+// Names a design: of a revision, which never changes, at parameters, to the bit.
+std::string KeyOf(const v1::ShapeIndex::Family& family, const Eigen::VectorXd& parameters) {
+  std::string key =
+      absl::StrCat(family.template_(), "/", family.template_revision(), "/", family.group(), "/");
+  key.append(reinterpret_cast<const char*>(parameters.data()),
+             static_cast<std::size_t>(parameters.size()) * sizeof(double));
+  return key;
+}
+
+std::size_t BytesOf(const std::string& key, const DesignFacts& facts) {
+  std::size_t bytes = kBytesOfEntry + 2 * key.size() + sizeof facts;
+  for (const std::string& each : facts.materials) bytes += kBytesOfEntry + each.size();
+  if (!facts.needs) return bytes;
+  for (const parametric::ItemNeed& each : *facts.needs) bytes += sizeof each + each.item.size();
+  return bytes;
 }
 
 }  // namespace
@@ -36,37 +47,37 @@ absl::StatusOr<MatchDesign> DesignOf(const IndexMatch& match, const LoadedIndex&
   return made;
 }
 
-absl::StatusOr<FoundMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
-                                             const LoadedIndex& index, TemplateSource& templates,
-                                             const rpc::Origin& origin,
-                                             const std::function<bool()>& stopped) {
-  FoundMatches found;
-  if (IsEmpty(filter)) {
-    MORTISE_ASSIGN_OR_RETURN(found.matches, index.primitives.Nearest(query));
-    return found;
-  }
-  // Families that were looked at are the nearest ones: without them, the next are found.
-  std::set<int> seen;
-  const auto wanted = static_cast<std::size_t>(query.count);
-  query.allowed = [&seen, may = std::move(query.allowed)](int family) {
-    return !seen.contains(family) && (!may || may(family));
-  };
-  for (query.count = std::max(query.count, kAtOnce);; query.count *= 2) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<IndexMatch> next, index.primitives.Nearest(query));
-    for (const IndexMatch& match : next) {
-      if (stopped()) return absl::CancelledError("nobody waits for the answer any more");
-      if (static_cast<int>(seen.size()) == kMostDesigns) {
-        found.all_looked_at = false;
-        return found;
-      }
-      seen.insert(match.family);
-      MORTISE_ASSIGN_OR_RETURN(const bool meets,
-                               MeetsFilter(filter, match, index, templates, origin));
-      if (meets) found.matches.push_back(match);
-      if (found.matches.size() == wanted) return found;
-    }
-    if (static_cast<int>(next.size()) < query.count) return found;
-  }
+absl::StatusOr<std::shared_ptr<const DesignFacts>> MatchFacts::Get(const IndexMatch& match,
+                                                                   const LoadedIndex& index,
+                                                                   const rpc::Origin& origin) {
+  using Made = SingleFlightCache<std::shared_ptr<const DesignFacts>>::Made;
+  const std::string key =
+      KeyOf(index.record.families(match.family), index.primitives.PrimitiveOf(match).parameters);
+  return kept_.Get(key, [&]() -> absl::StatusOr<Made> {
+    const absl::StatusOr<MatchDesign> made = DesignOf(match, index, templates_, origin);
+    if (IsPassingFailure(made.status())) return made.status();
+    auto facts = std::make_shared<const DesignFacts>(
+        made.ok() ? FactsOf(made->design, made->compiled->function->head().items) : DesignFacts());
+    const std::size_t bytes = BytesOf(key, *facts);
+    return Made{std::move(facts), bytes};
+  });
+}
+
+absl::StatusOr<FilteredMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
+                                                const LoadedIndex& index, MatchFacts& facts,
+                                                const rpc::Call& call) {
+  const rpc::Origin origin = rpc::ForwardedFrom(call);
+  const absl::Time now = absl::Now();
+  const absl::Time end = now + std::min(kLongest, (call.deadline() - now) / 2);
+  return NearestThatMeet(index.primitives, std::move(query),
+                         [&](const IndexMatch& match) -> absl::StatusOr<bool> {
+                           if (call.cancelled())
+                             return absl::CancelledError("nobody waits for the answer any more");
+                           MORTISE_ASSIGN_OR_RETURN(const auto known,
+                                                    facts.Get(match, index, origin));
+                           return Meets(filter, *known);
+                         },
+                         {.is_time_up = [end] { return absl::Now() >= end; }});
 }
 
 }  // namespace mortise::retrieval

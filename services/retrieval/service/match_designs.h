@@ -1,14 +1,15 @@
-// The designs that matches stand for, and those of them that meet a filter.
+// The designs that matches stand for, and which matches are those of designs that meet a filter.
 #pragma once
 
-#include <functional>
+#include <cstddef>
 #include <memory>
-#include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
 #include "common/design/evaluated_design.h"
-#include "common/rpc/channel.h"
+#include "common/rpc/call.h"
 #include "services/retrieval/filters/design_filter.h"
+#include "services/retrieval/filters/filtered_search.h"
 #include "services/retrieval/index/primitive_index.h"
 #include "services/retrieval/service/loaded_indexes.h"
 #include "services/retrieval/service/template_source.h"
@@ -26,19 +27,31 @@ struct MatchDesign {
 absl::StatusOr<MatchDesign> DesignOf(const IndexMatch& match, const LoadedIndex& index,
                                      TemplateSource& templates, const rpc::Origin& origin);
 
-struct FoundMatches {
-  std::vector<IndexMatch> matches;  // nearest first
-  bool all_looked_at = true;        // whether none was left out because so many did not meet it
+// What filters look at of the designs of matches. These are kept, as a design may take a second to
+// make: a search that has no time for all of them, asked again, goes on where it ended. Thread
+// safe.
+class MatchFacts {
+ public:
+  // `templates` outlives it. `capacity`: bytes of what is kept, the least recently used forgotten
+  // first.
+  explicit MatchFacts(TemplateSource* templates, std::size_t capacity = std::size_t{32} << 20)
+      : templates_(*templates), kept_(capacity) {}
+
+  // A design that can no more be made has no parts. Fails as IsPassingFailure alone.
+  absl::StatusOr<std::shared_ptr<const DesignFacts>> Get(const IndexMatch& match,
+                                                         const LoadedIndex& index,
+                                                         const rpc::Origin& origin);
+
+ private:
+  TemplateSource& templates_;
+  SingleFlightCache<std::shared_ptr<const DesignFacts>> kept_;
 };
 
-// The nearest families whose designs meet the filter: what is left of the list of all that `query`
-// allows, nearest first, each with the design of its nearest primitive, `query.count` at most.
-// Designs are made in that order, until there are enough; of the first thousand at most. A design
-// that can no more be made meets no filter. CANCELLED once `stopped` says so; fails as
-// PrimitiveIndex::Nearest, and UNAVAILABLE where the catalog is.
-absl::StatusOr<FoundMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
-                                             const LoadedIndex& index, TemplateSource& templates,
-                                             const rpc::Origin& origin,
-                                             const std::function<bool()>& stopped);
+// As NearestThatMeet of filtered_search.h. It ends early once the designs have taken 20 s, or half
+// of the time that the caller still waits, as pictures and fits are to come. CANCELLED once nobody
+// waits for the answer; UNAVAILABLE where the catalog is.
+absl::StatusOr<FilteredMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
+                                                const LoadedIndex& index, MatchFacts& facts,
+                                                const rpc::Call& call);
 
 }  // namespace mortise::retrieval

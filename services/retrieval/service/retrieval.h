@@ -3,6 +3,7 @@
 
 #include "common/host/run_service.h"
 #include "services/retrieval/service/loaded_indexes.h"
+#include "services/retrieval/service/match_designs.h"
 #include "services/retrieval/service/template_source.h"
 #include "services/retrieval/service/uploaded_meshes.h"
 
@@ -13,6 +14,7 @@ struct Retrieval {
   TemplateSource& templates;
   LoadedIndexes& indexes;
   const UploadedMeshes& meshes;
+  MatchFacts& facts;
 };
 
 }  // namespace mortise::retrieval

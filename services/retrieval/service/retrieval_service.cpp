@@ -27,7 +27,8 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
       : templates_(catalog),
         indexes_(environment.store, blobs),
         meshes_(environment.store, blobs, environment.options.blobs),
-        retrieval_{environment, templates_, indexes_, meshes_},
+        facts_(&templates_),
+        retrieval_{environment, templates_, indexes_, meshes_, facts_},
         endpoint_(environment.dispatcher, "mortise.v1.RetrievalService"),
         upkeep_(environment, std::move(catalog), templates_) {
     environment.operations->Register(
@@ -47,6 +48,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
   TemplateSource templates_;
   LoadedIndexes indexes_;
   const UploadedMeshes meshes_;
+  MatchFacts facts_;
   std::timed_mutex turn_;  // of builds
   const Retrieval retrieval_;
   rpc::Endpoint endpoint_;

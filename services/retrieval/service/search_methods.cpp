@@ -94,7 +94,17 @@ absl::StatusOr<IndexQuery> IndexQueryOf(const v1::SearchShapesRequest& request,
   return wanted;
 }
 
-void AddNotes(const QueryShape& query, const LoadedIndex& index, const FoundMatches& found,
+// The nearest families that may be found, and how many designs were looked at for that.
+absl::StatusOr<FilteredMatches> FindMatches(const DesignFilter& filter, IndexQuery wanted,
+                                            const LoadedIndex& index, MatchFacts& facts,
+                                            const rpc::Call& call) {
+  if (!IsEmpty(filter)) return NearestThatMeet(filter, std::move(wanted), index, facts, call);
+  FilteredMatches found;
+  MORTISE_ASSIGN_OR_RETURN(found.matches, index.primitives.Nearest(wanted));
+  return found;
+}
+
+void AddNotes(const QueryShape& query, const LoadedIndex& index, const FilteredMatches& found,
               v1::SearchShapesResponse* response) {
   for (const std::string& note : query.notes) response->add_notes(note);
   if (!index.record.current()) {
@@ -103,8 +113,11 @@ void AddNotes(const QueryShape& query, const LoadedIndex& index, const FoundMatc
   if (!index.record.every_template()) {
     response->add_notes("The index has only the templates that it was built of.");
   }
-  if (!found.all_looked_at) {
-    response->add_notes("So many designs do not meet the filter that not all were looked at.");
+  if (found.ended_early) {
+    response->add_notes(absl::StrCat(
+        "The search ended after ", found.looked_at,
+        " designs were looked at for what the filter asks: others that meet it may be further "
+        "away. What was looked at is known for a while: the same search soon gets further."));
   }
 }
 
@@ -123,9 +136,8 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   MORTISE_ASSIGN_OR_RETURN(IndexQuery wanted, IndexQueryOf(request, *query, *index, *filter));
   const std::vector<Eigen::VectorXd> turned = wanted.descriptors;
   MORTISE_ASSIGN_OR_RETURN(
-      const FoundMatches found,
-      NearestThatMeet(filter->design, std::move(wanted), *index, retrieval.templates, origin,
-                      [&call] { return call.cancelled(); }));
+      const FilteredMatches found,
+      FindMatches(filter->design, std::move(wanted), *index, retrieval.facts, call));
   v1::SearchShapesResponse response;
   for (const IndexMatch& each : found.matches) {
     MORTISE_ASSIGN_OR_RETURN(*response.add_matches(), MatchOf(each, *index));
@@ -133,6 +145,8 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   AddNotes(*query, *index, found, &response);
   response.set_shape_descriptor(index->record.shape_descriptor());
   response.set_families(index->record.family_count());
+  response.set_designs_looked_at(found.looked_at);
+  response.set_ended_early(found.ended_early);
   std::vector<FitSheetEntry> fitted;
   if (request.fit()) {
     MORTISE_ASSIGN_OR_RETURN(fitted, FitMatches({*query, turned, *index, found.matches},

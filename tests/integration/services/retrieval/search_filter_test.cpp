@@ -116,15 +116,22 @@ class SearchFilterTest : public ::testing::Test {
   // Whoever filters the list of all by themselves gets what the search gives, in its order.
   static void ExpectFiltered(const v1::DesignFilter& asked, const DesignFilter& filter) {
     std::vector<std::string> expected;
-    for (const v1::ShapeMatch& match : Find(ForTable())) {
+    const std::vector<v1::ShapeMatch> all = Find(ForTable());
+    for (const v1::ShapeMatch& match : all) {
       const Made made = Make(match);
-      if (Meets(filter, made.design, made.function->head().items)) {
+      if (Meets(filter, FactsOf(made.design, made.function->head().items))) {
         expected.push_back(match.template_());
       }
     }
     v1::SearchShapesRequest request = ForTable();
     *request.mutable_design_filter() = asked;
-    EXPECT_EQ(NamesOf(Find(request)), expected) << asked.ShortDebugString();
+    const auto found = house_->Search(request);
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_EQ(NamesOf({found->matches().begin(), found->matches().end()}), expected)
+        << asked.ShortDebugString();
+    EXPECT_FALSE(found->ended_early());
+    EXPECT_LE(found->designs_looked_at(), static_cast<int>(all.size()));
+    EXPECT_GE(found->designs_looked_at(), static_cast<int>(expected.size()));
     request.set_limit(1);
     expected.resize(std::min<std::size_t>(1, expected.size()));
     EXPECT_EQ(NamesOf(Find(request)), expected) << asked.ShortDebugString();

@@ -33,7 +33,7 @@ class DesignFilterTest : public ::testing::Test {
   }
 
   const std::vector<Item>& items() const { return table_->head().items; }
-  bool Met(const DesignFilter& filter) const { return Meets(filter, design_, items()); }
+  bool Met(const DesignFilter& filter) const { return Meets(filter, FactsOf(design_, items())); }
 
   // Exactly what the table takes.
   std::map<std::string, double> Needed() const {
@@ -52,7 +52,7 @@ class DesignFilterTest : public ::testing::Test {
 TEST_F(DesignFilterTest, EveryDesignMeetsAnEmptyOne) {
   EXPECT_TRUE(IsEmpty({}));
   EXPECT_TRUE(Met({}));
-  EXPECT_TRUE(Meets({}, EvaluatedDesign(), {}));
+  EXPECT_TRUE(Meets({}, FactsOf(EvaluatedDesign(), {})));
 }
 
 TEST_F(DesignFilterTest, ComparesTheBoxAxisByAxis) {
@@ -67,7 +67,7 @@ TEST_F(DesignFilterTest, ComparesTheBoxAxisByAxis) {
     EXPECT_FALSE(Met(smaller)) << axis;
     EXPECT_FALSE(Met(larger)) << axis;
   }
-  EXPECT_FALSE(Meets(filter, EvaluatedDesign(), {}));
+  EXPECT_FALSE(Meets(filter, FactsOf(EvaluatedDesign(), {})));
 }
 
 TEST_F(DesignFilterTest, KnowsWhatPartsAreMadeOf) {
