@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/retrieval/index/index_file.h"
 #include "services/retrieval/service/index_records.h"
 
 namespace mortise::retrieval {
@@ -42,6 +41,11 @@ absl::Status CheckFamilies(const v1::ShapeIndex& record, const PrimitiveIndex& p
 
 }  // namespace
 
+LoadedIndexes::LoadedIndexes(store::Store* store, store::BlobFolder* blobs, Reader read)
+    : store_(store), blobs_(blobs), read_(std::move(read)) {
+  for (const v1::ShapeDescriptor each : AllShapeDescriptors()) slots_[IndexIdOf(each)];
+}
+
 absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Load(
     v1::ShapeIndex record) const {
   const std::string id = IndexIdOf(record.shape_descriptor());
@@ -50,7 +54,7 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Load(
   if (!path.ok()) return Damaged(record, path.status());
   // From before it is read: what happens to it meanwhile shows later.
   const FileStamp stamp = StampOf(*path);
-  absl::StatusOr<StoredIndex> stored = ReadIndex(*path, id);
+  absl::StatusOr<StoredIndex> stored = read_(*path, id);
   if (!stored.ok()) return Damaged(record, stored.status());
   const absl::Status fits = CheckFamilies(record, stored->index);
   if (!fits.ok()) return Damaged(record, fits);
@@ -62,18 +66,19 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Load(
 
 absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
     v1::ShapeDescriptor descriptor) {
-  const std::string name = absl::StrCat(kIndexes.names, "/", IndexIdOf(descriptor));
+  const std::string id = IndexIdOf(descriptor);
+  const std::string name = absl::StrCat(kIndexes.names, "/", id);
   absl::StatusOr<v1::ShapeIndex> record = kIndexes.Get(*store_, name);
   if (absl::IsNotFound(record.status())) {
     return PreconditionFailed(
-        "INDEX_MISSING",
-        absl::StrCat("there is no index by ", IndexIdOf(descriptor), " yet: build it first"), name);
+        "INDEX_MISSING", absl::StrCat("there is no index by ", id, " yet: build it first"), name);
   }
   MORTISE_RETURN_IF_ERROR(record.status());
   MORTISE_RETURN_IF_ERROR(CheckRecord(*record));
   const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record->sha256());
-  const std::lock_guard lock(mutex_);
-  std::shared_ptr<const LoadedIndex>& loaded = loaded_[record->shape_descriptor()];
+  Slot& slot = slots_.at(id);
+  const std::lock_guard lock(slot.mutex);
+  std::shared_ptr<const LoadedIndex>& loaded = slot.loaded;
   const bool is_current = loaded != nullptr && loaded->record.sha256() == record->sha256() &&
                           loaded->record.build_time() == record->build_time() &&
                           loaded->record.current() == record->current() && path.ok() &&

@@ -1,6 +1,8 @@
 // The indexes that are searched, each read once.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -12,6 +14,7 @@
 #include "mortise/v1/retrieval.pb.h"
 #include "services/retrieval/descriptors/descriptor.h"
 #include "services/retrieval/index/file_stamp.h"
+#include "services/retrieval/index/index_file.h"
 #include "services/retrieval/index/primitive_index.h"
 
 namespace mortise::retrieval {
@@ -24,11 +27,15 @@ struct LoadedIndex {
   FileStamp stamp = {};  // of the file that they are searched in
 };
 
-// Thread safe.
+// Thread safe. An index that is being read and checked keeps nobody from the others.
 class LoadedIndexes {
  public:
+  // Reads the file of an index by the descriptor of this id: ReadIndex.
+  using Reader = std::function<absl::StatusOr<StoredIndex>(const std::filesystem::path&,
+                                                           const std::string& id)>;
+
   // Both outlive it.
-  LoadedIndexes(store::Store* store, store::BlobFolder* blobs) : store_(store), blobs_(blobs) {}
+  LoadedIndexes(store::Store* store, store::BlobFolder* blobs, Reader read = ReadIndex);
 
   // The index of a descriptor as it is stored now. A file that was touched since it was read is
   // read and checked again. FAILED_PRECONDITION: INDEX_MISSING, where there is none; INDEX_EMPTY,
@@ -41,10 +48,16 @@ class LoadedIndexes {
  private:
   absl::StatusOr<std::shared_ptr<const LoadedIndex>> Load(v1::ShapeIndex record) const;
 
+  // What is loaded of one descriptor.
+  struct Slot {
+    std::mutex mutex;
+    std::shared_ptr<const LoadedIndex> loaded;
+  };
+
   store::Store* const store_;
   store::BlobFolder* const blobs_;
-  std::mutex mutex_;
-  std::map<v1::ShapeDescriptor, std::shared_ptr<const LoadedIndex>> loaded_;
+  const Reader read_;
+  std::map<std::string, Slot> slots_;  // by id, one for each descriptor there is from the start on
 };
 
 }  // namespace mortise::retrieval
