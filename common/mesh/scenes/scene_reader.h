@@ -52,7 +52,9 @@ struct SceneReaderOptions {
 //                        glTF whose buffers are in other files, of version 1, or compressed; over
 //                        it libassimp crashes
 //   RESOURCE_EXHAUSTED   the file has more than 64 MiB or 2,000,000 triangles (counted before they
-//                        are built; nodes that repeat a mesh count each time), or needs more than
+//                        are built; nodes that repeat a mesh count each time), a face of more than
+//                        10,000 corners, or so many faces of very many that they take too long to
+//                        divide (polygon_count.h; told by the face's number); or needs more than
 //                        1 GiB of addresses beside the program's, 60 s of processor time or
 //                        `time_limit`
 //   INTERNAL             no child can be started

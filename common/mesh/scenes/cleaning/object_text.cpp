@@ -45,13 +45,11 @@ absl::Status ObjectText::AddVertex(const std::vector<std::string_view>& words, l
 }
 
 absl::Status ObjectText::AddFace(const std::vector<std::int64_t>& vertices, long line) {
-  ++faces_;
+  MORTISE_RETURN_IF_ERROR(polygons_.Add(vertices.size(), absl::StrCat("line ", line)));
   if (vertices.size() < 3) {
     ++incomplete_;
     return absl::OkStatus();
   }
-  triangles_ += static_cast<std::int64_t>(vertices.size()) - 2;
-  if (triangles_ > kMaxSceneTriangles) return TooLarge("file", "2,000,000 triangles");
   if (face_texts_.empty()) SetComponent("");
   std::string& text = face_texts_[component_];
   text += 'f';
@@ -76,7 +74,7 @@ void ObjectText::SetComponent(std::string_view name) {
 }
 
 absl::StatusOr<CleanedFile> ObjectText::Finish() && {
-  if (triangles_ == 0) {
+  if (polygons_.triangles() == 0) {
     return InvalidField("file",
                         vertices_ > 0 ? "has points, but no faces between them" : "has no faces");
   }

@@ -12,7 +12,7 @@
 #include "common/mesh/scenes/cleaning/cleaned_file.h"
 #include "common/mesh/scenes/cleaning/object_text.h"
 #include "common/mesh/scenes/cleaning/ply_header.h"
-#include "common/mesh/scenes/cleaning/scene_limits.h"
+#include "common/mesh/scenes/cleaning/polygon_count.h"
 #include "common/mesh/scenes/cleaning/text_lines.h"
 
 namespace mortise::mesh {
@@ -102,16 +102,13 @@ class PlyWalk {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         std::uint64_t count = 1;
         if (!PassProperty(element.properties[p], count)) return Ended(element, i);
-        if (static_cast<int>(p) == corners && count > 2) {
-          triangles_ += static_cast<std::int64_t>(count) - 2;
-        }
+        if (static_cast<int>(p) == corners) MORTISE_RETURN_IF_ERROR(polygons_.Add(count, ""));
       }
-      if (triangles_ > kMaxSceneTriangles) return TooLarge("file", "2,000,000 triangles");
     }
     return absl::OkStatus();
   }
 
-  std::int64_t triangles() const { return triangles_; }
+  std::int64_t triangles() const { return polygons_.triangles(); }
   std::size_t left() const { return rest_.size(); }
 
  private:
@@ -134,7 +131,7 @@ class PlyWalk {
 
   std::string_view rest_;
   const bool is_big_endian_;
-  std::int64_t triangles_ = 0;
+  PolygonCount polygons_;
 };
 
 // The header as libassimp understands it. What is not wanted of it gets names of an element and of
