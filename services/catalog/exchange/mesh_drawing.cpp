@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/mesh/parts/scene_parts.h"
 #include "common/mesh/shapes/drawn_shape.h"
+#include "services/catalog/exchange/part_gaps.h"
 #include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
@@ -77,7 +78,7 @@ class Drawer {
     for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
       MORTISE_RETURN_IF_ERROR(AddPart(i, names[i]));
     }
-    CloseGaps();
+    CloseGapsOfParts();
     AddNoteOnSurfaces();
     return std::move(drawing_);
   }
@@ -163,25 +164,18 @@ class Drawer {
     return absl::OkStatus();
   }
 
-  // Where the boxes of two parts are apart by no more than what counts as contact, the smaller one
-  // is stretched until they meet: parts that are only near each other hold nothing.
-  void CloseGaps() {
-    for (std::size_t i = 0; i < drawing_.parts.size(); ++i) {
-      for (std::size_t j = i + 1; j < drawing_.parts.size(); ++j) {
-        cad::StepPart &a = drawing_.parts[i], &b = drawing_.parts[j];
-        const bool a_is_smaller = (a.maximum - a.minimum).norm() < (b.maximum - b.minimum).norm();
-        CloseGap(a_is_smaller ? a : b, a_is_smaller ? b : a);
-      }
+  // What counts as contact becomes one.
+  void CloseGapsOfParts() {
+    std::vector<int> first_alike;
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
+      first_alike.push_back(scene_.parts[i].first_alike);
+      boxes.emplace_back(drawing_.parts[i].minimum, drawing_.parts[i].maximum);
     }
-  }
-
-  void CloseGap(cad::StepPart& part, const cad::StepPart& other) const {
-    const Eigen::Vector3d below = part.minimum - other.maximum,
-                          above = other.minimum - part.maximum;
-    if (below.cwiseMax(above).maxCoeff() > mesh::PartGroupingOptions().contact * diagonal_) return;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (below[axis] > 0) part.minimum[axis] = other.maximum[axis];
-      if (above[axis] > 0) part.maximum[axis] = other.minimum[axis];
+    CloseGaps(mesh::PartGroupingOptions().contact * diagonal_, first_alike, boxes);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      drawing_.parts[i].minimum = boxes[i].min();
+      drawing_.parts[i].maximum = boxes[i].max();
     }
   }
 

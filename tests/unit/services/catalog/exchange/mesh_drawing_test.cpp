@@ -143,6 +143,22 @@ TEST(MeshAssembly, FindsRowsOfPartsThatAreAlike) {
   EXPECT_EQ(row->parts.size(), 7u);
 }
 
+// The same bench, with a lath that only the first slat comes near.
+TEST(MeshAssembly, FindsRowsOfWhichOnePartAloneHasAGap) {
+  std::vector<mesh::SceneComponent> parts = {Box("", {0, 0.05, 0.36}, {1.4, 0.05, 0.04}),
+                                             Box("", {0, 0.35, 0.36}, {1.4, 0.05, 0.04}),
+                                             Box("", {-0.051, 0, 0.36}, {0.05, 0.45, 0.06})};
+  for (int slat = 0; slat < 7; ++slat) {
+    parts.push_back(OpenBox("", {0.2 * slat, 0, 0.4}, {0.15, 0.45, 0.02}));
+  }
+  const auto drawing = DrawingOfScene(OneComponent(parts), "bench", {.unit = kMetre});
+  ASSERT_TRUE(drawing.ok()) << drawing.status();
+  for (std::size_t slat = 4; slat < 10; ++slat) {
+    const Eigen::Vector3d size = drawing->parts[slat].maximum - drawing->parts[slat].minimum;
+    EXPECT_TRUE(size.isApprox(drawing->parts[3].maximum - drawing->parts[3].minimum, 1e-12));
+  }
+}
+
 TEST(MeshAssembly, GoesOnTouchingWhatItNearlyTouches) {
   std::vector<mesh::SceneComponent> parts = TableParts();
   for (std::size_t leg = 1; leg < parts.size(); ++leg) {
