@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/mesh/joined_surface.h"
 #include "common/mesh/parts/surface_pieces.h"
 
 namespace mortise::mesh {
@@ -49,9 +50,9 @@ std::vector<std::vector<const SurfacePiece*>> PiecesByPart(const std::vector<Sur
 }
 
 SurfaceMesh SurfaceOf(const std::vector<const SurfacePiece*>& pieces) {
-  std::vector<const SurfaceMesh*> surfaces;
+  std::vector<SurfaceView> surfaces;
   surfaces.reserve(pieces.size());
-  for (const SurfacePiece* piece : pieces) surfaces.push_back(&piece->surface);
+  for (const SurfacePiece* piece : pieces) surfaces.push_back(ViewOf(piece->surface));
   return Joined(surfaces);
 }
 

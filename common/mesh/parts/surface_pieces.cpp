@@ -150,13 +150,4 @@ Eigen::AlignedBox3d BoxOf(const SurfaceMesh& surface) {
   return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
 }
 
-SurfaceMesh Joined(const std::vector<const SurfaceMesh*>& surfaces) {
-  Scene scene;
-  for (const SurfaceMesh* surface : surfaces) {
-    scene.components.push_back({"", surface->vertices, surface->triangles});
-  }
-  SceneComponent joined = Joined(scene);
-  return {std::move(joined.vertices), std::move(joined.triangles)};
-}
-
 }  // namespace mortise::mesh

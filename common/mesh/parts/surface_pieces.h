@@ -32,7 +32,4 @@ std::vector<SurfacePiece> PiecesOf(const Scene& scene);
 // The box around a surface, which must have vertices.
 Eigen::AlignedBox3d BoxOf(const SurfaceMesh& surface);
 
-// Several surfaces as one; what is shared is not joined.
-SurfaceMesh Joined(const std::vector<const SurfaceMesh*>& surfaces);
-
 }  // namespace mortise::mesh

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "common/mesh/joined_surface.h"
 
 namespace mortise::mesh {
 namespace {
@@ -47,21 +48,11 @@ Eigen::AlignedBox3d BoxOf(const Scene& scene) {
 }
 
 SceneComponent Joined(const Scene& scene) {
-  Eigen::Index vertices = 0;
-  for (const SceneComponent& component : scene.components) vertices += component.vertices.cols();
-  SceneComponent joined;
-  joined.vertices.resize(3, vertices);
-  joined.triangles.resize(3, TriangleCount(scene));
-  Eigen::Index vertex = 0;
-  Eigen::Index triangle = 0;
-  for (const SceneComponent& component : scene.components) {
-    joined.vertices.middleCols(vertex, component.vertices.cols()) = component.vertices;
-    joined.triangles.middleCols(triangle, component.triangles.cols()) =
-        component.triangles.array() + static_cast<int>(vertex);
-    vertex += component.vertices.cols();
-    triangle += component.triangles.cols();
-  }
-  return joined;
+  std::vector<SurfaceView> views;
+  views.reserve(scene.components.size());
+  for (const SceneComponent& component : scene.components) views.push_back(ViewOf(component));
+  SurfaceMesh joined = Joined(views);
+  return {"", std::move(joined.vertices), std::move(joined.triangles)};
 }
 
 Scene Scaled(Scene scene, double unit) {

@@ -7,6 +7,7 @@
 #include "common/cad/step/step_writer.h"
 #include "common/design/evaluation.h"
 #include "common/mesh/files/stl.h"
+#include "common/mesh/joined_surface.h"
 
 namespace mortise::catalog {
 namespace {
@@ -58,25 +59,10 @@ std::string WriteObj(const std::vector<cad::GlbPart>& parts, const std::string& 
   return text;
 }
 
-mesh::SurfaceMesh Together(const std::vector<cad::GlbPart>& parts) {
-  Eigen::Index vertices = 0, triangles = 0;
-  for (const cad::GlbPart& part : parts) {
-    vertices += part.surface.vertices.cols();
-    triangles += part.surface.triangles.cols();
-  }
-  mesh::SurfaceMesh whole;
-  whole.vertices.resize(3, vertices);
-  whole.triangles.resize(3, triangles);
-  vertices = triangles = 0;
-  for (const cad::GlbPart& part : parts) {
-    const Eigen::Index more = part.surface.triangles.cols();
-    whole.vertices.middleCols(vertices, part.surface.vertices.cols()) = part.surface.vertices;
-    whole.triangles.middleCols(triangles, more) =
-        part.surface.triangles.array() + static_cast<int>(vertices);
-    vertices += part.surface.vertices.cols();
-    triangles += more;
-  }
-  return whole;
+mesh::SurfaceMesh SurfaceOf(const std::vector<cad::GlbPart>& parts) {
+  std::vector<mesh::SurfaceView> surfaces;
+  for (const cad::GlbPart& part : parts) surfaces.push_back(mesh::ViewOf(part.surface));
+  return mesh::Joined(surfaces);
 }
 
 }  // namespace
@@ -112,7 +98,7 @@ absl::StatusOr<std::string> ExportMesh(const parametric::EvaluatedDesign& design
     case MeshFormat::kObj:
       return WriteObj(parts, assembly_name);
     case MeshFormat::kStl:
-      return mesh::WriteStl(Together(parts), assembly_name);
+      return mesh::WriteStl(SurfaceOf(parts), assembly_name);
     default:
       return cad::WriteGlb(assembly_name, parts);
   }

@@ -4,37 +4,15 @@
 
 #include "common/base/errors.h"
 #include "common/design/evaluation.h"
+#include "common/mesh/joined_surface.h"
 
 namespace mortise::retrieval {
-namespace {
-
-mesh::SurfaceMesh Joined(const std::vector<mesh::SurfaceMesh>& surfaces) {
-  Eigen::Index vertices = 0;
-  Eigen::Index triangles = 0;
-  for (const mesh::SurfaceMesh& surface : surfaces) {
-    vertices += surface.vertices.cols();
-    triangles += surface.triangles.cols();
-  }
-  mesh::SurfaceMesh joined{Eigen::Matrix3Xd(3, vertices), Eigen::Matrix3Xi(3, triangles)};
-  vertices = triangles = 0;
-  for (const mesh::SurfaceMesh& surface : surfaces) {
-    joined.vertices.middleCols(vertices, surface.vertices.cols()) = surface.vertices;
-    joined.triangles.middleCols(triangles, surface.triangles.cols()) =
-        surface.triangles.array() + static_cast<int>(vertices);
-    vertices += surface.vertices.cols();
-    triangles += surface.triangles.cols();
-  }
-  return joined;
-}
-
-}  // namespace
-
 mesh::SurfaceMesh DesignSurface(const parametric::EvaluatedDesign& design) {
   std::vector<mesh::SurfaceMesh> surfaces;
   for (const parametric::EvaluatedPart& part : design.parts) {
     surfaces.push_back(parametric::PartSurface(part));
   }
-  return Joined(surfaces);
+  return mesh::Joined(surfaces);
 }
 
 absl::StatusOr<mesh::SurfaceMesh> DesignSurface(const parametric::EvaluatedDesign& design,
@@ -46,7 +24,7 @@ absl::StatusOr<mesh::SurfaceMesh> DesignSurface(const parametric::EvaluatedDesig
   for (const parametric::EvaluatedPart& part : design.parts) {
     if (parts.contains(part.name)) surfaces.push_back(parametric::PartSurface(part));
   }
-  return Joined(surfaces);
+  return mesh::Joined(surfaces);
 }
 
 }  // namespace mortise::retrieval

@@ -16,6 +16,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/mesh/joined_surface.h"
 #include "common/mesh/surface_check.h"
 #include "tests/unit/common/mesh/box_assembly.h"
 #include "tests/unit/common/mesh/round_solids.h"
@@ -28,15 +29,6 @@ using ::testing::HasSubstr;
 int EulerCharacteristic(const HalfedgeMesh& mesh) {
   return static_cast<int>(mesh.n_vertices()) - static_cast<int>(mesh.n_edges()) +
          static_cast<int>(mesh.n_faces());
-}
-
-SurfaceMesh Joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
-  both.vertices << a.vertices, b.vertices;
-  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
-  both.triangles << a.triangles, b.triangles.array() + static_cast<int>(a.vertices.cols());
-  return both;
 }
 
 // Every half-edge belongs to one loop of next half-edges, and all that leave a vertex say so.
@@ -118,7 +110,7 @@ TEST(HalfedgeMesh, RefusesWhatIsNoOrientedManifoldWithThePlace) {
   EXPECT_THAT(Refused(broken), HasSubstr("vertex 2 is not finite"));
   EXPECT_THAT(Refused({}), HasSubstr("no triangles"));
   // Two boxes that share one corner.
-  SurfaceMesh pinched = Joined(box, BoxSurface({1, 1, 1}, {2, 2, 2}));
+  SurfaceMesh pinched = Joined({box, BoxSurface({1, 1, 1}, {2, 2, 2})});
   Eigen::Index low = 0, high = 0;
   (box.vertices.colwise() - Eigen::Vector3d(1, 1, 1)).colwise().norm().minCoeff(&low);
   (pinched.vertices.rightCols(8).colwise() - Eigen::Vector3d(1, 1, 1))

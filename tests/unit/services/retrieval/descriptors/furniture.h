@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/mesh/joined_surface.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace mortise::retrieval {
@@ -25,18 +26,7 @@ inline mesh::SurfaceMesh Box(const Eigen::Vector3d& low, const Eigen::Vector3d& 
   return box;
 }
 
-inline mesh::SurfaceMesh Joined(const std::vector<mesh::SurfaceMesh>& parts) {
-  mesh::SurfaceMesh whole{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xi(3, 0)};
-  for (const mesh::SurfaceMesh& part : parts) {
-    const Eigen::Index vertices = whole.vertices.cols(), triangles = whole.triangles.cols();
-    whole.vertices.conservativeResize(3, vertices + part.vertices.cols());
-    whole.vertices.rightCols(part.vertices.cols()) = part.vertices;
-    whole.triangles.conservativeResize(3, triangles + part.triangles.cols());
-    whole.triangles.rightCols(part.triangles.cols()) =
-        part.triangles.array() + static_cast<int>(vertices);
-  }
-  return whole;
-}
+using mesh::Joined;
 
 // A chair, q = (width, depth, height of the seat, height of the back), m: its vertices are linear
 // in q, and a back on one side tells its quarter turns apart.
