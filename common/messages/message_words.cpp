@@ -25,17 +25,20 @@ bool HasSpecialJson(const google::protobuf::Descriptor& type) {
   return absl::StartsWith(type.full_name(), "google.protobuf.");
 }
 
-std::string WantedValue(const google::protobuf::FieldDescriptor& field) {
+std::string WantedValue(const google::protobuf::FieldDescriptor& field, Notation notation) {
   using google::protobuf::FieldDescriptor;
+  const bool is_json = notation == Notation::kJson;
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
     case FieldDescriptor::CPPTYPE_BOOL:
       return "must be true or false";
     case FieldDescriptor::CPPTYPE_STRING:
+      if (!is_json) return "must be a text in quotes";
       return field.type() == FieldDescriptor::TYPE_BYTES ? "must be a text in base64"
                                                          : "must be a text";
     case FieldDescriptor::CPPTYPE_MESSAGE:
+      if (!is_json) return "must be fields in { }";
       return HasSpecialJson(*field.message_type())
                  ? absl::StrCat("must be a ", field.message_type()->full_name(), " as JSON")
                  : "must be an object";

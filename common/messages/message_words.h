@@ -17,7 +17,12 @@ std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice);
 // (google.protobuf.Timestamp).
 bool HasSpecialJson(const google::protobuf::Descriptor& type);
 
-// Returns what a field takes, for faults of JSON: "must be a number", "must be one of X, Y, Z".
-std::string WantedValue(const google::protobuf::FieldDescriptor& field);
+// How a message is written, where that makes a difference.
+enum class Notation { kJson, kTextFormat };
+
+// Returns what a field takes, for faults of what is written: "must be a number", "must be one of X,
+// Y, Z".
+std::string WantedValue(const google::protobuf::FieldDescriptor& field,
+                        Notation notation = Notation::kJson);
 
 }  // namespace mortise

@@ -24,25 +24,6 @@ using google::protobuf::io::Tokenizer;
 constexpr std::size_t kMost = 40;  // faults, about as many as an answer holds
 constexpr int kMostNesting = 100;
 
-// What a field takes.
-std::string Wanted(const FieldDescriptor& field) {
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return absl::StrCat("must be one of ", ValueNames(*field.enum_type()));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return "must be true or false";
-    case FieldDescriptor::CPPTYPE_STRING:
-      return "must be a text in quotes";
-    case FieldDescriptor::CPPTYPE_MESSAGE:
-      return "must be fields in { }";
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-    case FieldDescriptor::CPPTYPE_FLOAT:
-      return "must be a number";
-    default:
-      return "must be a whole number that is not too large";
-  }
-}
-
 // A value that is no message, as it was written.
 struct Scalar {
   Tokenizer::Token token;
@@ -239,7 +220,7 @@ class Walk {
     const bool in_braces = TryTake("{");
     if (in_braces || TryTake("<")) {
       const bool fits = field == nullptr || field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-      if (!fits) Add(start, Wanted(*field));
+      if (!fits) Add(start, WantedValue(*field, Notation::kTextFormat));
       const std::string end = in_braces ? "}" : ">";
       const Descriptor* const type = field == nullptr || !fits ? nullptr : field->message_type();
       if (!Fields(type, end, depth + 1)) return false;
@@ -261,7 +242,7 @@ class Walk {
       default:
         return StopAtPresent();
     }
-    if (field != nullptr && !CanBe(*field, value)) Add(start, Wanted(*field));
+    if (field != nullptr && !CanBe(*field, value)) Add(start, WantedValue(*field, Notation::kTextFormat));
     return true;
   }
 
