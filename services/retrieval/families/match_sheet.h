@@ -1,4 +1,4 @@
-// A picture of a query and what was found for it.
+// Pictures of a query, of what was found for it, and of what was fitted to it.
 #pragma once
 
 #include <string>
@@ -23,5 +23,11 @@ struct SheetEntry {
 // A PNG of all in rows, the first, which is the query, in another colour; each as large as it fits
 // into its frame. INVALID_ARGUMENT for no entries or an empty surface.
 absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entries);
+
+// A PNG with a row for each design, which stands where it does in the query's frame: the query, the
+// design, and both in one place, the query's edges over the design, all three seen from the same
+// side at the same size. INVALID_ARGUMENT for no designs or an empty surface.
+absl::StatusOr<std::string> DrawFitSheet(const SheetEntry& query,
+                                         const std::vector<SheetEntry>& designs);
 
 }  // namespace mortise::retrieval

@@ -84,7 +84,7 @@ std::string CaptionOf(const v1::ShapeMatch& match) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
+absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task,
                                                       TemplateSource& templates,
                                                       const rpc::Origin& origin,
                                                       const rpc::Call& call,
@@ -110,7 +110,7 @@ absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
                      ? Fit(task, *query, task.matches[static_cast<std::size_t>(i)], call, &fit)
                      : query.status();
   });
-  std::vector<FitSheetEntry> drawn;
+  std::vector<SheetEntry> drawn;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     v1::ShapeMatch& match = *response->mutable_matches(static_cast<int>(i));
     const absl::StatusOr<FittedDesign>& fitted = fits[i].fitted;

@@ -9,7 +9,7 @@
 #include "common/rpc/call.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/retrieval.pb.h"
-#include "services/retrieval/families/fit_sheet.h"
+#include "services/retrieval/families/match_sheet.h"
 #include "services/retrieval/index/primitive_index.h"
 #include "services/retrieval/service/loaded_indexes.h"
 #include "services/retrieval/service/query_shape.h"
@@ -31,7 +31,7 @@ struct FitTask {
 // tells of it in the match of the response, in their order. A fit that fails is told there, and the
 // match stays. Returns the designs that were fitted, where they stand in the query's frame, without
 // those that failed. CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog is.
-absl::StatusOr<std::vector<FitSheetEntry>> FitMatches(const FitTask& task,
+absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task,
                                                       TemplateSource& templates,
                                                       const rpc::Origin& origin,
                                                       const rpc::Call& call,
