@@ -4,8 +4,9 @@
 #include <array>
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <numeric>
+#include <unordered_map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -40,6 +41,75 @@ double GapBetween(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 
 double DiagonalOf(const Eigen::AlignedBox3d& box) { return box.diagonal().norm(); }
 
+// Finds boxes by where they lie, by a hash of both corners' cells of a grid.
+class BoxesByPlace {
+ public:
+  // Boxes are near whose coordinates differ by `reach` at most.
+  explicit BoxesByPlace(double reach) : reach_(reach) {}
+
+  void Add(std::size_t number, const Eigen::AlignedBox3d& box) {
+    numbers_[CellOf(CornersOf(box))].push_back(number);
+  }
+
+  // The boxes that may be near, those that are among them, in the order in which they were added.
+  std::vector<std::size_t> Near(const Eigen::AlignedBox3d& box) const {
+    const Corners corners = CornersOf(box);
+    const Cell low = CellOf(corners.array() - reach_), high = CellOf(corners.array() + reach_);
+    std::vector<std::size_t> near;
+    for (Cell cell = low;;) {
+      if (const auto found = numbers_.find(cell); found != numbers_.end()) {
+        near.insert(near.end(), found->second.begin(), found->second.end());
+      }
+      // The next cell: each coordinate from its low to its high end, as digits are counted.
+      std::size_t digit = 0;
+      while (digit < cell.size() && cell[digit] == high[digit]) {
+        cell[digit] = low[digit];
+        ++digit;
+      }
+      if (digit == cell.size()) break;
+      ++cell[digit];
+    }
+    std::sort(near.begin(), near.end());
+    return near;
+  }
+
+ private:
+  using Corners = Eigen::Matrix<double, 6, 1>;
+  using Cell = std::array<std::int64_t, 6>;
+
+  static Corners CornersOf(const Eigen::AlignedBox3d& box) {
+    Corners corners;
+    corners << box.min(), box.max();
+    return corners;
+  }
+
+  // Cells are some reaches wide, so that most boxes need only one to be looked into.
+  Cell CellOf(const Corners& corners) const {
+    constexpr double kWidth = 4;
+    Cell cell = {};
+    if (reach_ <= 0) return cell;
+    for (std::size_t i = 0; i < cell.size(); ++i) {
+      cell[i] = static_cast<std::int64_t>(
+          std::floor(corners[static_cast<Eigen::Index>(i)] / (kWidth * reach_)));
+    }
+    return cell;
+  }
+
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+      std::uint64_t hash = 0;
+      for (const std::int64_t coordinate : cell) {
+        hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * 0x9E3779B97F4A7C15ull;
+        hash ^= hash >> 29;
+      }
+      return static_cast<std::size_t>(hash);
+    }
+  };
+
+  const double reach_;
+  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> numbers_;
+};
+
 class Grouping {
  public:
   Grouping(const std::vector<SurfacePiece>& pieces, const PartGroupingOptions& options)
@@ -71,23 +141,18 @@ class Grouping {
 
   void LeaveOutDoubled() {
     is_out_.assign(pieces_.size(), false);
-    // Doubled pieces have the same box, and so lie side by side in the order of their least corner.
-    std::vector<std::size_t> order(pieces_.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return drawn_[a].min().x() < drawn_[b].min().x();
-    });
     const double same = kSamePlace * diagonal_;
+    BoxesByPlace kept(same);
     std::size_t count = 0;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      for (std::size_t j = i + 1; j < order.size() && !is_out_[order[i]]; ++j) {
-        const auto [first, second] = std::minmax({order[i], order[j]});
-        if (drawn_[order[j]].min().x() - drawn_[order[i]].min().x() > same) break;
-        if (is_out_[order[j]] || !HaveSameBox(first, second, same)) continue;
-        if (!AreAlike(pieces_[first].surface, pieces_[second].surface, {0, 0, 0}, same)) continue;
-        is_out_[second] = true;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      for (const std::size_t other : kept.Near(drawn_[i])) {
+        if (!HaveSameBox(other, i, same)) continue;
+        if (!AreAlike(pieces_[other].surface, pieces_[i].surface, {0, 0, 0}, same)) continue;
+        is_out_[i] = true;
         ++count;
+        break;
       }
+      if (!is_out_[i]) kept.Add(i, drawn_[i]);
     }
     if (count == 0) return;
     notes_.push_back(absl::StrCat(Pieces(count), " drawn twice at one place ",
@@ -149,16 +214,19 @@ class Grouping {
       return DiagonalOf(drawn_[a]) > DiagonalOf(drawn_[b]);
     });
     for (std::size_t i = kMostCompared; i < order.size(); ++i) {
-      const auto nearest = std::min_element(
-          order.begin(), order.begin() + kMostCompared, [&](std::size_t a, std::size_t b) {
-            const auto cost = [&](std::size_t other) {
-              return std::pair(GapBetween(drawn_[order[i]], drawn_[other]),
-                               DiagonalOf(drawn_[other]));
-            };
-            return cost(a) < cost(b);
-          });
+      std::size_t nearest = order[0];
+      std::pair<double, double> least(std::numeric_limits<double>::infinity(), 0);
+      for (std::size_t j = 0; j < kMostCompared; ++j) {
+        const std::size_t other = order[j];
+        const double gap = GapBetween(drawn_[order[i]], drawn_[other]);
+        if (gap > least.first) continue;
+        const std::pair cost(gap, DiagonalOf(drawn_[other]));
+        if (!(cost < least)) continue;
+        nearest = other;
+        least = cost;
+      }
       is_small_[order[i]] = true;
-      Join(*nearest, order[i]);
+      Join(nearest, order[i]);
     }
     joined_ += order.size() - kMostCompared;
   }

@@ -39,9 +39,9 @@ struct PartGrouping {
 //              part of one that they touch: of those of the same component if components are kept,
 //              the one whose box grows least. Parts as large as the last that went go with it.
 //
-// All of it is our own. INVALID_ARGUMENT for pieces without triangles. O(P²) for P pieces, and the
-// distances of triangles of pieces whose boxes meet (proximity.h). Beyond 200 pieces, the smallest
-// are joined with larger ones by their boxes first.
+// All of it is our own. INVALID_ARGUMENT for pieces without triangles. Beyond 200 pieces, the
+// smallest are joined with larger ones by their boxes first, so that it takes O(P log P) for P
+// pieces, and the distances of triangles of those 200 whose boxes meet (proximity.h).
 absl::StatusOr<PartGrouping> GroupPieces(const std::vector<SurfacePiece>& pieces,
                                          const PartGroupingOptions& options = {});
 

@@ -64,15 +64,17 @@ Shells ShellsOf(const Eigen::Matrix3Xi& triangles) {
   });
   Shells shells{.of = std::vector<std::size_t>(count), .is_closed = std::vector<bool>(count, true)};
   for (std::size_t t = 0; t < count; ++t) shells.of[t] = sets.find_set(t);
+  std::vector<std::size_t> at_edge;
   ForEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+    at_edge.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t shell = shells.of[static_cast<std::size_t>(edges[i].triangle)];
-      const auto of_shell =
-          std::count_if(edges.begin() + static_cast<long>(begin),
-                        edges.begin() + static_cast<long>(end), [&](const TriangleEdge& edge) {
-                          return shells.of[static_cast<std::size_t>(edge.triangle)] == shell;
-                        });
-      if (of_shell != 2) shells.is_closed[shell] = false;
+      at_edge.push_back(shells.of[static_cast<std::size_t>(edges[i].triangle)]);
+    }
+    std::sort(at_edge.begin(), at_edge.end());
+    for (auto first = at_edge.begin(); first != at_edge.end();) {
+      const auto last = std::upper_bound(first, at_edge.end(), *first);
+      if (last - first != 2) shells.is_closed[*first] = false;
+      first = last;
     }
   });
   return shells;
@@ -96,13 +98,6 @@ SceneComponent Welded(const SceneComponent& component, double tolerance) {
   return welded;
 }
 
-SceneComponent PartOf(const SceneComponent& component, const std::vector<int>& triangles) {
-  SceneComponent part;
-  part.vertices = component.vertices;
-  part.triangles = component.triangles(Eigen::all, triangles);
-  return part;
-}
-
 // The closed shells of a connected surface, and what is left of it, each connected, with the number
 // of its first triangle.
 std::vector<std::pair<int, SurfacePiece>> ShellsAndRest(const SceneComponent& connected) {
@@ -116,7 +111,7 @@ std::vector<std::pair<int, SurfacePiece>> ShellsAndRest(const SceneComponent& co
   std::vector<std::pair<int, SurfacePiece>> pieces;
   const auto add = [&](const std::vector<int>& triangles, bool is_closed) {
     if (triangles.empty()) return;
-    for (SceneComponent& piece : Separated(PartOf(connected, triangles))) {
+    for (SceneComponent& piece : Separated(PieceOf(connected, triangles))) {
       pieces.push_back({triangles.front(),
                         {0, {std::move(piece.vertices), std::move(piece.triangles)}, is_closed}});
     }

@@ -138,23 +138,6 @@ Eigen::VectorXi WeldEqual(const Eigen::Matrix3Xd& points) {
   return place_of;
 }
 
-SceneComponent PieceOf(const SceneComponent& component, const std::vector<int>& triangles) {
-  std::vector<int> used;
-  used.reserve(3 * triangles.size());
-  for (const int triangle : triangles) {
-    for (const int vertex : component.triangles.col(triangle)) used.push_back(vertex);
-  }
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  SceneComponent piece;
-  piece.vertices = component.vertices(Eigen::all, used);
-  piece.triangles = component.triangles(Eigen::all, triangles);
-  for (int& vertex : piece.triangles.reshaped()) {
-    vertex = static_cast<int>(std::lower_bound(used.begin(), used.end(), vertex) - used.begin());
-  }
-  return piece;
-}
-
 }  // namespace
 
 Eigen::VectorXi WeldPoints(const Eigen::Matrix3Xd& points, double tolerance) {
@@ -189,6 +172,23 @@ ConnectedTriangles FindConnected(const Eigen::Matrix3Xd& vertices,
   }
   connected.count = NumberInOrder(connected.piece);
   return connected;
+}
+
+SceneComponent PieceOf(const SceneComponent& component, const std::vector<int>& triangles) {
+  std::vector<int> used;
+  used.reserve(3 * triangles.size());
+  for (const int triangle : triangles) {
+    for (const int vertex : component.triangles.col(triangle)) used.push_back(vertex);
+  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  SceneComponent piece;
+  piece.vertices = component.vertices(Eigen::all, used);
+  piece.triangles = component.triangles(Eigen::all, triangles);
+  for (int& vertex : piece.triangles.reshaped()) {
+    vertex = static_cast<int>(std::lower_bound(used.begin(), used.end(), vertex) - used.begin());
+  }
+  return piece;
 }
 
 std::vector<SceneComponent> Separated(const SceneComponent& component, double relative_tolerance) {

@@ -33,6 +33,10 @@ struct ConnectedTriangles {
 ConnectedTriangles FindConnected(const Eigen::Matrix3Xd& vertices,
                                  const Eigen::Matrix3Xi& triangles, double relative_tolerance = 0);
 
+// What some triangles of a component are by themselves, without a name: these, by their numbers,
+// and the vertices that they use, both in their order. It takes no longer for what else there is.
+SceneComponent PieceOf(const SceneComponent& component, const std::vector<int>& triangles);
+
 // The connected pieces of a component, each with the vertices that it uses, in their order. A
 // component of one piece keeps its name, those of several are numbered: "leg 1", "leg 2", or "1",
 // "2" without a name.
