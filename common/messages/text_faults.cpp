@@ -242,7 +242,8 @@ class Walk {
       default:
         return StopAtPresent();
     }
-    if (field != nullptr && !CanBe(*field, value)) Add(start, WantedValue(*field, Notation::kTextFormat));
+    if (field != nullptr && !CanBe(*field, value))
+      Add(start, WantedValue(*field, Notation::kTextFormat));
     return true;
   }
 

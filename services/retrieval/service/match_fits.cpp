@@ -84,11 +84,9 @@ std::string CaptionOf(const v1::ShapeMatch& match) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task,
-                                                      TemplateSource& templates,
-                                                      const rpc::Origin& origin,
-                                                      const rpc::Call& call,
-                                                      v1::SearchShapesResponse* response) {
+absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task, TemplateSource& templates,
+                                                   const rpc::Origin& origin, const rpc::Call& call,
+                                                   v1::SearchShapesResponse* response) {
   const absl::StatusOr<FitQuery> query = FitQuery::Create(task.query.surface);
   std::vector<MatchFit> fits(task.matches.size());
   for (std::size_t i = 0; i < fits.size(); ++i) {

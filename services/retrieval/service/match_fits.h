@@ -31,10 +31,8 @@ struct FitTask {
 // tells of it in the match of the response, in their order. A fit that fails is told there, and the
 // match stays. Returns the designs that were fitted, where they stand in the query's frame, without
 // those that failed. CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog is.
-absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task,
-                                                      TemplateSource& templates,
-                                                      const rpc::Origin& origin,
-                                                      const rpc::Call& call,
-                                                      v1::SearchShapesResponse* response);
+absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task, TemplateSource& templates,
+                                                   const rpc::Origin& origin, const rpc::Call& call,
+                                                   v1::SearchShapesResponse* response);
 
 }  // namespace mortise::retrieval
