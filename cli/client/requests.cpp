@@ -174,21 +174,6 @@ absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
   return static_cast<std::int64_t>(bytes.size());
 }
 
-void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer) {
-  constexpr std::size_t kChunk = 512 * 1024;
-  for (std::size_t offset = 0; offset < bytes.size(); offset += kChunk) {
-    v1::Chunk chunk;
-    chunk.set_offset(static_cast<std::int64_t>(offset));
-    chunk.set_data(bytes.substr(offset, kChunk));
-    if (offset == 0) {
-      chunk.set_total_size(static_cast<std::int64_t>(bytes.size()));
-      chunk.set_sha256(Sha256Hex(bytes));
-    }
-    if (!writer.Write(chunk)) break;
-  }
-  writer.WritesDone();
-}
-
 absl::Status FaultsToStatus(const std::string& design,
                             const google::protobuf::RepeatedPtrField<std::string>& faults) {
   if (faults.empty()) return absl::OkStatus();

@@ -71,10 +71,6 @@ absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
 // Most bytes of a file that fit into a message; larger ones are uploaded first.
 inline constexpr std::size_t kMostInMessage = 4'000'000;
 
-// Sends bytes as a stream of chunks, and says that they were all. What becomes of it the call's
-// Finish says.
-void Send(const std::string& bytes, grpc::ClientWriter<v1::Chunk>& writer);
-
 // OK if the design has no faults; else FAILED_PRECONDITION, DESIGN_FAULTY, with how many there are
 // and the first.
 absl::Status FaultsToStatus(const std::string& design,

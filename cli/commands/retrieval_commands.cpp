@@ -14,6 +14,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
+#include "common/rpc/chunk_sender.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
 
@@ -111,7 +112,7 @@ absl::Status Upload(v1::QueryMesh& mesh, v1::RetrievalService::Stub& stub,
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {
         const auto writer = stub.UploadMesh(&context, &response);
-        Send(mesh.file(), *writer);
+        rpc::SendChunks(mesh.file(), *writer);
         return rpc::FromGrpc(writer->Finish());
       },
       kUploadSeconds));

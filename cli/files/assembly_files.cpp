@@ -24,6 +24,7 @@
 #include "common/base/violation_lists.h"
 #include "common/design/template_validation.h"
 #include "common/messages/proto_text.h"
+#include "common/rpc/chunk_sender.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 
@@ -131,7 +132,7 @@ absl::StatusOr<std::string> Upload(const std::string& bytes, Stub& stub,
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {
         const auto writer = stub.UploadDrawing(&context, &response);
-        Send(bytes, *writer);
+        rpc::SendChunks(bytes, *writer);
         return rpc::FromGrpc(writer->Finish());
       },
       kLargeFileSeconds));

@@ -14,6 +14,7 @@
 #include "common/base/identifiers.h"
 #include "common/base/units.h"
 #include "common/design/metric_registry.h"
+#include "common/rpc/chunk_sender.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
@@ -39,7 +40,7 @@ absl::StatusOr<std::string> Upload(const std::filesystem::path& file,
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {
         const auto writer = stub.UploadBlob(&context, &response);
-        Send(bytes, *writer);
+        rpc::SendChunks(bytes, *writer);
         return rpc::FromGrpc(writer->Finish());
       },
       kSeconds));

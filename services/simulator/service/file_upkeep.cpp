@@ -1,6 +1,5 @@
 #include "services/simulator/service/file_upkeep.h"
 
-#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/host/run_service.h"
+#include "common/host/unused_files.h"
 #include "common/operations/operations.h"
 #include "common/rpc/dispatcher.h"
 #include "mortise/v1/simulator.pb.h"
@@ -21,39 +21,15 @@ namespace {
 
 constexpr absl::Duration kPause = absl::Hours(1);
 constexpr int kPage = 100;
-// By how much the clocks of store and file system may differ, and more.
-constexpr absl::Duration kClockMargin = absl::Hours(1);
-
-// What files are named, and since when there may be some that are not named yet.
-struct FileUse {
-  std::set<std::string> named;
-  absl::Time oldest_work = absl::InfiniteFuture();
-};
-
-absl::Status AddOperations(jobs::Operations& operations, FileUse& use) {
-  std::string after;
-  while (true) {
-    MORTISE_ASSIGN_OR_RETURN(const auto page, operations.List(after, kPage));
-    for (const jobs::Operation& operation : page) {
-      if (jobs::IsFinal(operation.state)) continue;
-      use.oldest_work = std::min(use.oldest_work, operation.created_at);
-      v1::Task task;
-      if (task.ParseFromString(operation.request)) use.named.insert(task.mesh_file());
-    }
-    if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
-    after = page.back().name;
-  }
-}
-
-absl::Status AddAnalyses(store::ReadTransaction& read, FileUse& use) {
+absl::Status AddAnalyses(store::ReadTransaction& read, std::set<std::string>* named) {
   store::ListOptions list{.limit = kPage};
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const auto page, read.List(kAnalyses.kind, list));
     for (const store::Record& record : page) {
       MORTISE_ASSIGN_OR_RETURN(const auto analysis,
                                resources::ParseRecord<v1::Analysis>(kAnalyses.kind, record));
-      use.named.insert(analysis.mesh_file());
-      for (const v1::Artifact& artifact : analysis.artifacts()) use.named.insert(artifact.sha256());
+      named->insert(analysis.mesh_file());
+      for (const v1::Artifact& artifact : analysis.artifacts()) named->insert(artifact.sha256());
     }
     if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
     list.after_key = page.back().key;
@@ -61,14 +37,14 @@ absl::Status AddAnalyses(store::ReadTransaction& read, FileUse& use) {
 }
 
 // Their input is kept for whoever looks into them.
-absl::Status AddQuarantined(store::ReadTransaction& read, FileUse& use) {
+absl::Status AddQuarantined(store::ReadTransaction& read, std::set<std::string>* named) {
   store::ListOptions list{.key_prefix = kAnalysisTaskPrefix, .limit = kPage};
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const auto page, read.ListTasks(kSimulatorQueue, list));
     for (const store::Task& stored : page) {
       v1::Task task;
       if (stored.state != store::TaskState::kQuarantined) continue;
-      if (task.ParseFromString(stored.payload)) use.named.insert(task.mesh_file());
+      if (task.ParseFromString(stored.payload)) named->insert(task.mesh_file());
     }
     if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
     list.after_key = page.back().key;
@@ -80,18 +56,16 @@ absl::Status AddQuarantined(store::ReadTransaction& read, FileUse& use) {
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       jobs::Operations& operations,
                                                       const std::filesystem::path& folder) {
-  const absl::Time now = store.Now();
-  FileUse use;
-  // Operations first: one that ends meanwhile has made its analysis before it is looked for.
-  MORTISE_RETURN_IF_ERROR(AddOperations(operations, use));
-  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& read) -> absl::Status {
-    MORTISE_RETURN_IF_ERROR(AddAnalyses(read, use));
-    return AddQuarantined(read, use);
-  }));
-  MORTISE_RETURN_IF_ERROR(store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
-  return store::RemoveUnusedBlobs(
-      folder, std::min(now - kUnusedFileLife, use.oldest_work - kClockMargin),
-      [&use](const std::string& digest) { return use.named.contains(digest); });
+  rpc::NamedFiles files;
+  files.by_operation = [](const jobs::Operation& operation, std::set<std::string>* named) {
+    v1::Task task;
+    if (task.ParseFromString(operation.request)) named->insert(task.mesh_file());
+  };
+  files.by_store = [](store::ReadTransaction& read, std::set<std::string>* named) -> absl::Status {
+    MORTISE_RETURN_IF_ERROR(AddAnalyses(read, named));
+    return AddQuarantined(read, named);
+  };
+  return rpc::RemoveUnusedFiles(store, operations, folder, files);
 }
 
 absl::StatusOr<int> RemoveOldProgress(store::Store& store) {

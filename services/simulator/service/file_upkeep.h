@@ -22,16 +22,8 @@ class Store;
 
 namespace mortise::simulator {
 
-// How long a file stays that nothing refers to: an uploaded mesh whose analysis is to be asked for,
-// a file of an analysis that failed or was dropped.
-inline constexpr absl::Duration kUnusedFileLife = absl::Hours(24);
-
-// How long a part of a file stays that nobody writes to.
-inline constexpr absl::Duration kAbandonedPartLife = absl::Hours(1);
-
-// Removes what no analysis, no unfinished operation and no quarantined task names and what is older
-// than the above and than an hour before every unfinished operation, whose files are not named
-// before it ends.
+// Removes what no analysis, no unfinished operation and no quarantined task names, as
+// rpc::RemoveUnusedFiles does.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       jobs::Operations& operations,
                                                       const std::filesystem::path& folder);

@@ -3,8 +3,6 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
-#include <iterator>
-#include <map>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -19,7 +17,7 @@
 namespace mortise::simulator {
 namespace {
 
-// How soon news is noticed that came to another replica, or comes from nobody: an expired lease.
+// How soon results are noticed that came to another replica.
 constexpr absl::Duration kLookInterval = absl::Milliseconds(250);
 constexpr std::size_t kKeysInOneLook = 256;
 
@@ -30,7 +28,10 @@ constexpr absl::Duration kTimeToAskAgain = absl::Seconds(3);
 }  // namespace
 
 SimulatorCore::SimulatorCore(const rpc::ServiceEnvironment& environment)
-    : store_(environment.store), dispatcher_(environment.dispatcher), signer_(environment.signer) {}
+    : store_(environment.store),
+      dispatcher_(environment.dispatcher),
+      signer_(environment.signer),
+      idle_workers_(rpc::IdleWorkers::Create(environment.dispatcher)) {}
 
 absl::StatusOr<std::shared_ptr<SimulatorCore>> SimulatorCore::Create(
     const rpc::ServiceEnvironment& environment) {
@@ -151,60 +152,6 @@ absl::Status SimulatorCore::Remember(store::ReadTransaction& transaction, const 
   return absl::OkStatus();
 }
 
-void SimulatorCore::WhenWork(const std::string& queue, absl::Time deadline, Attempt attempt) {
-  const std::uint64_t before = wakes_;
-  bool others_wait = false;
-  {
-    const std::lock_guard lock(mutex_);
-    others_wait = std::any_of(idle_workers_.begin(), idle_workers_.end(),
-                              [&](const IdleWorker& worker) { return worker.queue == queue; });
-  }
-  if (attempt(others_wait)) return;
-  {
-    const std::lock_guard lock(mutex_);
-    idle_workers_.push_back({queue, deadline, std::move(attempt)});
-  }
-  if (wakes_ != before) WakeWorkers();  // which may have come too early for this one
-}
-
-// Thousands of tasks may come at once: all that come before the workers are asked wake them once.
-void SimulatorCore::WakeWorkers() {
-  ++wakes_;
-  if (is_waking_.exchange(true)) return;
-  dispatcher_->Submit([weak = weak_from_this()] {
-    if (const auto core = weak.lock()) core->AskIdleWorkers();
-  });
-}
-
-void SimulatorCore::AskIdleWorkers() {
-  is_waking_ = false;
-  const std::uint64_t before = wakes_;
-  std::vector<IdleWorker> idle;
-  {
-    const std::lock_guard lock(mutex_);
-    idle.swap(idle_workers_);
-  }
-  std::vector<IdleWorker> still_idle;
-  std::map<std::string, int> waiting;  // for each queue, who has not been asked
-  for (const IdleWorker& worker : idle) ++waiting[worker.queue];
-  std::set<std::string> empty;  // queues
-  const absl::Time now = absl::Now();
-  for (IdleWorker& worker : idle) {
-    const bool others_wait = --waiting[worker.queue] > 0;
-    const bool is_worth_asking = empty.count(worker.queue) == 0 || now >= worker.deadline;
-    if (is_worth_asking && worker.attempt(others_wait)) continue;
-    empty.insert(worker.queue);
-    still_idle.push_back(std::move(worker));
-  }
-  if (still_idle.empty()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    idle_workers_.insert(idle_workers_.begin(), std::make_move_iterator(still_idle.begin()),
-                         std::make_move_iterator(still_idle.end()));
-  }
-  if (wakes_ != before) WakeWorkers();  // news of meanwhile found none of these
-}
-
 void SimulatorCore::KeepWatching() {
   dispatcher_->SubmitAfter(kLookInterval, [weak = weak_from_this()] {
     const auto core = weak.lock();
@@ -227,12 +174,6 @@ std::vector<std::string> SimulatorCore::NextOf(const std::vector<std::string>& k
 }
 
 void SimulatorCore::LookAtStore() {
-  bool idle = false;
-  {
-    const std::lock_guard lock(mutex_);
-    idle = !idle_workers_.empty();
-  }
-  if (idle) WakeWorkers();
   const std::vector<std::string> keys = waiters_.Keys();
   if (keys.empty()) return;
   std::set<std::string> queues;

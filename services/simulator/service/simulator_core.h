@@ -1,16 +1,13 @@
 // What the adapters of one simulator process share: the queue, who waits for it, the catalog.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
-#include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/host/idle_workers.h"
 #include "common/host/run_service.h"
 #include "services/simulator/service/evaluation_tasks.h"
 #include "services/simulator/service/leased_task_cache.h"
@@ -61,16 +58,11 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
                                                  const std::string& worker, int limit,
                                                  absl::Duration lease);
 
-  // Takes work, or gives up; false to be asked again. It must be quick. Where others wait for work
-  // of the same queue it should take no more than it can begin.
-  using Attempt = std::function<bool(bool others_wait)>;
-
-  // Calls `attempt` now, when there may be work in the queue, and after the deadline, until it
-  // returns true. Where one found no work, others of its queue are not asked.
-  void WhenWork(const std::string& queue, absl::Time deadline, Attempt attempt);
+  // Who waits for work.
+  rpc::IdleWorkers& idle_workers() { return *idle_workers_; }
 
   // Tells of work, and asks those who wait for it.
-  void WakeWorkers();
+  void WakeWorkers() { idle_workers_->Wake(); }
 
   // Begins the regular look at the store: for results that another replica took, for leases that
   // ran out. It ends with the core.
@@ -78,16 +70,8 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
 
  private:
   explicit SimulatorCore(const rpc::ServiceEnvironment& environment);
-  // Somebody who waits for work.
-  struct IdleWorker {
-    std::string queue;
-    absl::Time deadline;  // until when
-    Attempt attempt;
-  };
-
   absl::Status Remember(store::ReadTransaction& transaction, const std::string& queue,
                         const std::vector<store::Task>& leased);
-  void AskIdleWorkers();
   void LookAtStore();
   // Returns some of the keys, which ascend: those after the ones of the last look, round and round.
   std::vector<std::string> NextOf(const std::vector<std::string>& keys);
@@ -101,10 +85,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   TaskWaiters waiters_;
   LeasedTaskCache leased_tasks_;
   std::string looked_up_to_;  // key; used by LookAtStore alone
-  std::mutex mutex_;
-  std::vector<IdleWorker> idle_workers_;  // guarded by mutex_
-  std::atomic<bool> is_waking_ = false;   // they are about to be asked
-  std::atomic<std::uint64_t> wakes_ = 0;  // how often there was news
+  const std::shared_ptr<rpc::IdleWorkers> idle_workers_;
 };
 
 }  // namespace mortise::simulator

@@ -1,7 +1,6 @@
 #include "services/simulator/service/task_methods.h"
 
 #include <algorithm>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -205,37 +204,16 @@ absl::Status LeaseTasks(const Simulator& simulator, const rpc::Call& call,
                            Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
   MORTISE_ASSIGN_OR_RETURN(const absl::Duration wait,
                            Seconds(asked.wait_seconds(), 0, 0, 60, "wait_seconds"));
-  const absl::Time deadline = absl::Now() + wait;
-  // Answered once: by tasks, by the end of the wait, or because the caller has gone.
-  struct Waiting {
-    std::mutex mutex;
-    bool answered = false;
-    rpc::Responder<v1::LeaseTasksResponse> respond;
-  };
-  auto waiting = std::make_shared<Waiting>();
-  waiting->respond = std::move(respond);
-  call.OnStop([waiting] {
-    const std::lock_guard lock(waiting->mutex);
-    if (std::exchange(waiting->answered, true)) return;
-    waiting->respond(v1::LeaseTasksResponse());
-  });
   SimulatorCore& core = *simulator.core;
-  core.WhenWork(queue, deadline,
-                [&core, waiting, queue, worker = asked.worker(), limit = asked.limit(), lease,
-                 deadline, call](bool others_wait) {
-                  const std::lock_guard lock(waiting->mutex);
-                  if (waiting->answered) return true;
-                  if (call.cancelled()) return true;  // OnStop answers
-                  const auto tasks = core.Lease(queue, worker, others_wait ? 1 : limit, lease);
-                  if (tasks.ok() && tasks->empty() && absl::Now() < deadline) return false;
-                  waiting->answered = true;
-                  if (tasks.ok()) {
-                    waiting->respond(ToLease(*tasks));
-                  } else {
-                    waiting->respond(tasks.status());
-                  }
-                  return true;
-                });
+  const auto take = [&core, queue, worker = asked.worker(), limit = asked.limit(),
+                     lease](bool others_wait) -> absl::StatusOr<v1::LeaseTasksResponse> {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Task> tasks,
+                             core.Lease(queue, worker, others_wait ? 1 : limit, lease));
+    return ToLease(tasks);
+  };
+  rpc::RespondWhenWork<v1::LeaseTasksResponse>(
+      core.idle_workers(), queue, wait, call, std::move(respond), take,
+      [](const v1::LeaseTasksResponse& response) { return response.tasks().empty(); });
   return absl::OkStatus();
 }
 

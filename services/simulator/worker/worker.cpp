@@ -3,19 +3,17 @@
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
 #include <deque>
-#include <functional>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/host/lease_keeper.h"
+#include "common/host/worker_program.h"
+#include "common/rpc/chunk_sender.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/worker/task_evaluation.h"
@@ -24,22 +22,13 @@
 namespace mortise::simulator {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Stub = v1::SimulatorService::Stub;
 
 constexpr absl::Duration kCallTimeout = absl::Seconds(30);
 constexpr absl::Duration kReportPatience = absl::Minutes(2);
-// How soon a worker notices that a task was cancelled, and tells how far it is.
-constexpr absl::Duration kLookForCancel = absl::Seconds(2);
-
-// How long work may take to stop that nobody wants any more.
-constexpr absl::Duration kTimeToStop = absl::Seconds(3);
-
 // Tasks that take less than this together are leased ahead, so that a worker need not ask for each.
 constexpr absl::Duration kAhead = absl::Milliseconds(250);
 constexpr int kMostAhead = 4;
-// How long what was leased ahead waits behind a task that takes longer than was thought.
-constexpr absl::Duration kReservePatience = absl::Seconds(1);
 
 // Tells that the worker will not do a task that it holds: others may have it, unharmed.
 void GiveBack(const WorkerOptions& options, Stub& stub, const v1::Task& task) {
@@ -106,160 +95,37 @@ class LeaseSize {
   std::optional<double> seconds_;  // of a task
 };
 
-// Renews the lease of one task, tells with it how far the work is, and asks for the work to stop
-// once the lease is lost or the time is over. When the worker is asked to end, it gives the task
-// back after the drain time. What is in reserve it gives back when the task takes long, or the
-// worker is asked to end.
-class LeaseKeeper {
- public:
-  LeaseKeeper(const WorkerOptions& options, Stub& stub, const v1::Task& task, Reserve& reserve,
-              const std::stop_token& ending)
-      : options_(options),
-        stub_(stub),
-        task_(task),
-        reserve_(reserve),
-        interval_(absl::ToChronoNanoseconds(std::min(options.lease / 3, kLookForCancel))),
-        thread_([this] { Run(); }),
-        ending_(ending, [this] { BeginDrain(); }) {}
-
-  ~LeaseKeeper() {
-    {
-      const std::lock_guard lock(mutex_);
-      done_ = true;
-    }
-    changed_.notify_all();
-    thread_.join();
-  }
-
-  std::stop_token stop_token() const { return stop_.get_token(); }
-
-  // What renewals tell.
-  StageProgress& progress() { return progress_; }
-
-  // Whether somebody has taken the task away: its result is not wanted.
-  bool lost() const { return lost_; }
-
- private:
+// Prolongs the lease of a task, and tells how far the work is; false once the task is lost.
+bool Renew(const WorkerOptions& options, Stub& stub, const v1::Task& task,
+           const StageProgress& progress) {
+  v1::RenewLeasesRequest request;
+  request.set_worker(options.name);
+  request.set_lease_seconds(absl::ToDoubleSeconds(options.lease));
+  v1::TaskAttempt& attempt = *request.add_tasks();
+  attempt.set_name(task.name());
+  attempt.set_attempt(task.attempt());
   // Of analyses, which people watch.
-  void AddProgress(v1::TaskAttempt& attempt) const {
-    const StageProgress::State state = progress_.state();
-    if (!task_.fields() || state.total == 0) return;
+  if (const StageProgress::State state = progress.state(); task.fields() && state.total > 0) {
     attempt.mutable_progress()->set_stage(state.stage);
     attempt.mutable_progress()->set_done(state.done);
     attempt.mutable_progress()->set_total(state.total);
   }
-
-  void BeginDrain() {
-    {
-      const std::lock_guard lock(mutex_);
-      give_back_at_ = Clock::now() + absl::ToChronoNanoseconds(options_.drain_time);
-      empty_reserve_at_ = Clock::now();
-    }
-    changed_.notify_all();
-  }
-
-  void Run() {
-    const Clock::time_point end = Clock::now() + absl::ToChronoNanoseconds(options_.time_limit);
-    Clock::time_point renewal = Clock::now() + interval_;
-    std::unique_lock lock(mutex_);
-    while (!done_) {
-      const Clock::time_point now = Clock::now();
-      if (now >= give_back_at_) {
-        lock.unlock();
-        // Told before the work has stopped, which may take long: the sooner others begin with it.
-        Drop();
-        GiveBack(options_, stub_, task_);
-        return AwaitStop();
-      }
-      if (now >= empty_reserve_at_) {
-        empty_reserve_at_ = Clock::time_point::max();
-        lock.unlock();
-        reserve_.GiveAllBack();
-        lock.lock();
-        continue;
-      }
-      if (now < renewal) {
-        changed_.wait_until(lock, std::min({renewal, give_back_at_, empty_reserve_at_}));
-        continue;
-      }
-      lock.unlock();
-      if (now > end) stop_.request_stop();
-      if (!Renew()) return AwaitStop();
-      renewal = Clock::now() + interval_;
-      lock.lock();
-    }
-  }
-
-  // After the task was lost: work that does not stop by itself is broken off.
-  void AwaitStop() {
-    std::unique_lock lock(mutex_);
-    const bool stopped =
-        changed_.wait_for(lock, absl::ToChronoNanoseconds(kTimeToStop), [this] { return done_; });
-    if (stopped || !options_.break_off) return;
-    Log(LogLevel::kInfo, "breaking off, as a dropped task does not stop", {{"task", task_.name()}});
-    options_.break_off();
-  }
-
-  // False once the task is lost.
-  bool Renew() {
-    v1::RenewLeasesRequest request;
-    request.set_worker(options_.name);
-    request.set_lease_seconds(absl::ToDoubleSeconds(options_.lease));
-    request.add_tasks()->set_name(task_.name());
-    request.mutable_tasks(0)->set_attempt(task_.attempt());
-    AddProgress(*request.mutable_tasks(0));
-    const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
-        stub_, &Stub::RenewLeases, request,
-        rpc::OwnOrigin(options_.signer, rpc::Role::kDesigner, task_.trace_id(),
-                       options_.lease / 3));
-    if (!renewed.ok()) {
-      Log(LogLevel::kWarning, "a lease was not renewed",
-          {{"task", task_.name()}, {"error", renewed.status().message()}});
-    } else if (renewed->lost_size() > 0) {
-      Drop();
-      return false;
-    }
-    return true;
-  }
-
-  void Drop() {
-    lost_ = true;
-    stop_.request_stop();
-  }
-
-  const WorkerOptions& options_;
-  Stub& stub_;
-  const v1::Task& task_;
-  Reserve& reserve_;
-  const Clock::duration interval_;
-  StageProgress progress_;
-  std::stop_source stop_;
-  std::atomic<bool> lost_{false};
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool done_ = false;                                          // guarded by mutex_
-  Clock::time_point give_back_at_ = Clock::time_point::max();  // guarded by mutex_
-  Clock::time_point empty_reserve_at_ =
-      Clock::now() + absl::ToChronoNanoseconds(kReservePatience);  // guarded by mutex_
-  std::thread thread_;
-  const std::stop_callback<std::function<void()>> ending_;  // last: gone before what it changes
-};
+  const auto renewed = rpc::CallUnary<Stub, v1::RenewLeasesRequest, v1::RenewLeasesResponse>(
+      stub, &Stub::RenewLeases, request,
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), options.lease / 3));
+  if (renewed.ok()) return renewed->lost_size() == 0;
+  Log(LogLevel::kWarning, "a lease was not renewed",
+      {{"task", task.name()}, {"error", renewed.status().message()}});
+  return true;
+}
 
 absl::StatusOr<std::string> Upload(const WorkerOptions& options, Stub& stub,
                                    const std::string& trace_id, const std::string& bytes) {
-  constexpr std::size_t kChunk = 512 * 1024;
   const auto context = rpc::MakeClientContext(
       rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, trace_id, absl::Minutes(5)));
   v1::UploadBlobResponse response;
   const auto writer = stub.UploadBlob(context.get(), &response);
-  for (std::size_t offset = 0; offset == 0 || offset < bytes.size(); offset += kChunk) {
-    v1::Chunk chunk;
-    chunk.set_offset(static_cast<int64_t>(offset));
-    chunk.set_data(bytes.substr(offset, kChunk));
-    if (offset == 0) chunk.set_total_size(static_cast<int64_t>(bytes.size()));
-    if (!writer->Write(chunk)) break;
-  }
-  writer->WritesDone();
+  rpc::SendChunks(bytes, *writer);
   MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(writer->Finish()));
   return response.sha256();
 }
@@ -299,11 +165,35 @@ absl::Status OutOfTime(absl::Duration limit) {
                     {kTimeLimit, ""});
 }
 
+// Reports an attempt that began at `start`.
+void Report(const WorkerOptions& options, Stub& stub, const v1::Task& task,
+            const v1::ReportTaskRequest& report, absl::Time start) {
+  const auto reported = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
+      stub, &Stub::ReportTask, report,
+      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kReportPatience),
+      {.patience = kReportPatience});
+  Log(reported.ok() ? LogLevel::kInfo : LogLevel::kWarning,
+      reported.ok() ? "task reported" : "a report was refused",
+      {{"task", task.name()},
+       {"attempt", task.attempt()},
+       {"seconds", absl::ToDoubleSeconds(absl::Now() - start)},
+       {"outcome", report.result().has_error() ? report.result().error().message() : "done"},
+       {"error", reported.ok() ? absl::string_view() : reported.status().message()}});
+}
+
 void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
             const v1::Task& task, Reserve& reserve, const std::stop_token& ending) {
   const TraceScope trace(task.trace_id());
   const absl::Time start = absl::Now();
-  LeaseKeeper keeper(options, stub, task, reserve, ending);
+  StageProgress progress;
+  const rpc::LeaseKeeper keeper({.lease = options.lease,
+                                 .time_limit = options.time_limit,
+                                 .drain_time = options.drain_time,
+                                 .break_off = options.break_off},
+                                {.renew = [&] { return Renew(options, stub, task, progress); },
+                                 .give_back = [&] { GiveBack(options, stub, task); },
+                                 .give_back_reserve = [&] { reserve.GiveAllBack(); }},
+                                ending);
   v1::Analysis artifacts;
   const TaskContext surroundings{
       .templates = templates,
@@ -324,7 +214,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
           },
       .memory_limit = options.memory_limit,
       .threads = options.threads,
-      .progress = &keeper.progress(),
+      .progress = &progress,
       .stop = keeper.stop_token()};
   v1::ReportTaskRequest report = EvaluateTask(task, surroundings);
   if (keeper.lost()) {
@@ -341,27 +231,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
   }
   report.mutable_task()->set_name(task.name());
   report.mutable_task()->set_attempt(task.attempt());
-  const auto reported = rpc::CallUnary<Stub, v1::ReportTaskRequest, v1::ReportTaskResponse>(
-      stub, &Stub::ReportTask, report,
-      rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kReportPatience),
-      {.patience = kReportPatience});
-  Log(reported.ok() ? LogLevel::kInfo : LogLevel::kWarning,
-      reported.ok() ? "task reported" : "a report was refused",
-      {{"task", task.name()},
-       {"attempt", task.attempt()},
-       {"seconds", absl::ToDoubleSeconds(absl::Now() - start)},
-       {"outcome", report.result().has_error() ? report.result().error().message() : "done"},
-       {"error", reported.ok() ? absl::string_view() : reported.status().message()}});
-}
-
-// Waits until the channel is connected; false if a stop is requested. Calls alone would not do: one
-// that finds no connection fails at once, and a TLS handshake goes on only while somebody waits.
-bool AwaitConnection(grpc::Channel& channel, const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLookForStop{200};
-  while (!stop.stop_requested()) {
-    if (channel.WaitForConnected(std::chrono::system_clock::now() + kLookForStop)) return true;
-  }
-  return false;
+  Report(options, stub, task, report, start);
 }
 
 }  // namespace
@@ -375,7 +245,7 @@ void RunWorker(const WorkerOptions& options, const std::stop_token& stop) {
   request.set_wait_seconds(absl::ToDoubleSeconds(options.patience));
   Reserve reserve(options, *stub);
   LeaseSize size;
-  while (AwaitConnection(*options.simulator, stop)) {
+  while (rpc::AwaitConnection(*options.simulator, stop)) {
     request.set_limit(size.value());
     const auto leased = rpc::CallUnary<Stub, v1::LeaseTasksRequest, v1::LeaseTasksResponse>(
         *stub, &Stub::LeaseTasks, request,

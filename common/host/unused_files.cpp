@@ -1,0 +1,53 @@
+#include "common/host/unused_files.h"
+
+#include <algorithm>
+
+#include "common/base/errors.h"
+#include "common/operations/operations.h"
+
+namespace mortise::rpc {
+namespace {
+
+constexpr int kPage = 100;
+// By how much the clocks of store and file system may differ, and more.
+constexpr absl::Duration kClockMargin = absl::Hours(1);
+
+// What files are named, and since when there may be some that are not named yet.
+struct FileUse {
+  std::set<std::string> named;
+  absl::Time oldest_work = absl::InfiniteFuture();
+};
+
+absl::Status AddOperations(jobs::Operations& operations, const NamedFiles& named, FileUse& use) {
+  std::string after;
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(const auto page, operations.List(after, kPage));
+    for (const jobs::Operation& operation : page) {
+      if (jobs::IsFinal(operation.state)) continue;
+      use.oldest_work = std::min(use.oldest_work, operation.created_at);
+      if (named.by_operation) named.by_operation(operation, &use.named);
+    }
+    if (static_cast<int>(page.size()) < kPage) return absl::OkStatus();
+    after = page.back().name;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
+                                                      jobs::Operations& operations,
+                                                      const std::filesystem::path& folder,
+                                                      const NamedFiles& named) {
+  const absl::Time now = store.Now();
+  FileUse use;
+  // Operations first: one that ends meanwhile has named its files before the store is looked at.
+  MORTISE_RETURN_IF_ERROR(AddOperations(operations, named, use));
+  MORTISE_RETURN_IF_ERROR(
+      store.Read([&](store::ReadTransaction& read) { return named.by_store(read, &use.named); }));
+  MORTISE_RETURN_IF_ERROR(store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
+  return store::RemoveUnusedBlobs(
+      folder, std::min(now - kUnusedFileLife, use.oldest_work - kClockMargin),
+      [&use](const std::string& digest) { return use.named.contains(digest); });
+}
+
+}  // namespace mortise::rpc

@@ -1,0 +1,44 @@
+// Removes files of a service's blob folder that nothing refers to any more.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "common/store/blob_upkeep.h"
+#include "common/store/store.h"
+
+namespace mortise::jobs {
+class Operations;
+struct Operation;
+}  // namespace mortise::jobs
+
+namespace mortise::rpc {
+
+// How long a file stays that nothing refers to: what was uploaded and is to be used by a request
+// that has not come, and what belongs to work that failed.
+inline constexpr absl::Duration kUnusedFileLife = absl::Hours(24);
+
+// How long a part of a file stays that nobody writes to.
+inline constexpr absl::Duration kAbandonedPartLife = absl::Hours(1);
+
+// Adds the digests of files that are named.
+struct NamedFiles {
+  // By the request of an unfinished operation; may be empty.
+  std::function<void(const jobs::Operation&, std::set<std::string>* named)> by_operation = {};
+  // By what the store has.
+  std::function<absl::Status(store::ReadTransaction&, std::set<std::string>* named)> by_store;
+};
+
+// Removes files that nothing names and that are older than their life and than an hour before every
+// unfinished operation, whose files are not named before it ends.
+absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
+                                                      jobs::Operations& operations,
+                                                      const std::filesystem::path& folder,
+                                                      const NamedFiles& named);
+
+}  // namespace mortise::rpc
