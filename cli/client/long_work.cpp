@@ -24,7 +24,7 @@ namespace {
 constexpr double kCancelPatience = 10;  // s
 
 // What a command that was asked to end says of the operation it cancelled.
-std::string WhatWasKept(const v1::Operation& operation) {
+std::string WhatWasKept(const v1::Operation& operation, const std::string& what_stays) {
   const std::string made = MadeBy(operation);
   switch (operation.state()) {
     case v1::Operation::SUCCEEDED:
@@ -36,7 +36,7 @@ std::string WhatWasKept(const v1::Operation& operation) {
     default:
       return absl::StrCat(
           operation.name(), " was cancelled; ",
-          made.empty() ? "it kept nothing" : absl::StrCat("its best so far is kept in ", made));
+          made.empty() ? what_stays : absl::StrCat("its best so far is kept in ", made));
   }
 }
 
@@ -156,7 +156,7 @@ class Following {
                                         why.message(), "\n", GoingOn(operation)));
       }
     }
-    return interrupted(WhatWasKept(*done));
+    return interrupted(WhatWasKept(*done, work_.what_stays));
   }
 
   absl::Status Cancel(const std::string& name) const {

@@ -30,6 +30,8 @@ enum class WhenLeft {
 struct LongWork {
   WhenLeft when_left = WhenLeft::kIsCancelled;
   bool detach = false;  // starts it, and does not follow it
+  // What stays of one that was cancelled and names no result.
+  std::string what_stays = "it kept nothing";
 
   // The lines that tell how to go on with an operation that nobody follows; HowToGoOn if unset.
   std::function<std::string(const GatewayClient&, const v1::Operation&)> how_to_go_on = {};

@@ -228,6 +228,9 @@ void AddHouseCommands(CLI::App& app, Session& session) {
   up->add_flag("--any-ports", options->any_ports, "Any free ports instead of the usual ones");
   up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core")
       ->check(CLI::NonNegativeNumber);
+  up->add_option("--retrieval-workers", options->retrieval_workers,
+                 "Workers that cover families for indexes, beside one a core in the service itself")
+      ->check(CLI::NonNegativeNumber);
   up->add_flag("--virtual-cell", options->virtual_cell, "Also a virtual cell and a bridge to it");
   up->add_option("--time-scale", options->time_scale, "Speed of the virtual cell")
       ->check(PositiveFinite());

@@ -179,10 +179,12 @@ absl::Status Build(const IndexOptions& options, Session& session, Output& output
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
+  LongWork work = session.Work(options.detach);
+  work.what_stays = "what it covered is kept, and the next build goes on from there";
   MORTISE_ASSIGN_OR_RETURN(
       const std::optional<v1::BuildIndexResponse> built,
       RunTo<v1::BuildIndexResponse>(
-          *client, session.Work(options.detach),
+          *client, work,
           [&](grpc::ClientContext& context, v1::Operation* operation) {
             return rpc::FromGrpc(stub->BuildIndex(&context, request, operation));
           },

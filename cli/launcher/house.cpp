@@ -64,6 +64,35 @@ void AddMemoryLimit(int workers, HouseProcess& worker) {
   Add(worker, {"--memory-limit", absl::StrFormat("%.2f", limit)});
 }
 
+// The i-th worker of a service.
+HouseProcess Worker(const HouseOptions& options, const std::string& service, int i,
+                    const std::string& peer, const std::string& catalog) {
+  HouseProcess worker;
+  worker.name = absl::StrCat(service, "-worker-", i);
+  worker.command = {(options.binaries / ("mortise-" + service)).string(),
+                    "--worker",
+                    "--worker-name",
+                    worker.name,
+                    "--keys",
+                    (options.state / "keys").string(),
+                    "--peer",
+                    peer,
+                    "--peer",
+                    catalog};
+  return worker;
+}
+
+void AddWorkers(const HouseOptions& options, const std::string& catalog,
+                const std::string& simulator, HousePlan& plan) {
+  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int workers = options.workers > 0 ? options.workers : cores;
+  for (int i = 1; i <= workers; ++i) {
+    HouseProcess worker = Worker(options, "simulator", i, simulator, catalog);
+    AddMemoryLimit(workers, worker);
+    plan.processes.push_back(std::move(worker));
+  }
+}
+
 absl::Status CheckFile(const std::string& option, const std::string& path) {
   std::error_code error;
   if (path.empty() || std::filesystem::is_regular_file(path, error)) return absl::OkStatus();
@@ -212,23 +241,9 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
     if (name == "pareto") Add(service, {"--peer", simulator});
     plan.processes.push_back(std::move(service));
   }
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const int workers = options.workers > 0 ? options.workers : cores;
-  for (int i = 1; i <= workers; ++i) {
-    HouseProcess worker;
-    worker.name = absl::StrCat("simulator-worker-", i);
-    worker.command = {(options.binaries / "mortise-simulator").string(),
-                      "--worker",
-                      "--worker-name",
-                      worker.name,
-                      "--keys",
-                      (options.state / "keys").string(),
-                      "--peer",
-                      simulator,
-                      "--peer",
-                      catalog};
-    AddMemoryLimit(workers, worker);
-    plan.processes.push_back(std::move(worker));
+  AddWorkers(options, catalog, simulator, plan);
+  for (int i = 1; i <= options.retrieval_workers; ++i) {
+    plan.processes.push_back(Worker(options, "retrieval", i, "retrieval=" + addresses[4], catalog));
   }
   if (options.virtual_cell) MORTISE_RETURN_IF_ERROR(AddVirtualCell(options, plan));
   return plan;

@@ -18,6 +18,7 @@ struct HouseOptions {
   std::filesystem::path collection;          // items and designs that ship with it
   bool any_ports = false;                    // any free ports instead of the usual ones
   int workers = 0;                           // simulator workers; 0 for one a core
+  int retrieval_workers = 0;                 // beside the service's own threads
   bool virtual_cell = false;                 // also a virtual cell and the bridge to it
   double time_scale = 1;                     // of the virtual cell: simulated seconds a second
   bool insecure_development = false;         // plain text, no tokens; loopback only

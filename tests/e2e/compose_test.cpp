@@ -43,8 +43,9 @@ Json Compose() {
 
 // The processes of `mortise up`, workers counted once.
 std::set<std::string> Launched() {
-  const CommandResult result = Mortise(
-      {"--json", "up", "--dry-run", "--insecure-development", "--any-ports", "--workers", "2"});
+  const CommandResult result =
+      Mortise({"--json", "up", "--dry-run", "--insecure-development", "--any-ports", "--workers",
+               "2", "--retrieval-workers", "2"});
   std::set<std::string> names;
   const Json plan = Json::parse(result.out, nullptr, false);
   for (const Json& process : plan["processes"]) {
@@ -82,8 +83,8 @@ TEST(Compose, EveryListenerHasAHealthCheckAndComesBack) {
   const Json compose = Compose();
   for (const auto& [name, service] : compose["services"].items()) {
     EXPECT_EQ(service["restart"], "unless-stopped") << name;
-    // A worker listens nowhere; the simulator takes its tasks back when it is silent.
-    EXPECT_EQ(service.contains("healthcheck"), name != "simulator-worker") << name;
+    // A worker listens nowhere; its service takes its tasks back when it is silent.
+    EXPECT_EQ(service.contains("healthcheck"), !name.ends_with("-worker")) << name;
   }
 }
 

@@ -234,6 +234,17 @@ constexpr Example kExamples[] = {
     {"RetrievalService/ListIndexFamilies", "name: 'indexes/voxel' page_size: 10",
      Outcome::kRefused},
     {"RetrievalService/ListIndexes", "page_size: 10"},
+    {"RetrievalService/LeaseCover",
+     "worker: 'nobody' cover_version: 'none' lease_seconds: 10 wait_seconds: 1", Outcome::kRefused},
+    {"RetrievalService/RenewCover",
+     "task: 'tasks/0000000000000000000000000000000000000000000000000000000000000000' attempt: 1 "
+     "lease_seconds: 10"},
+    {"RetrievalService/ReportCover",
+     "task: 'tasks/0000000000000000000000000000000000000000000000000000000000000000' attempt: 1 "
+     "cover { shape_descriptor: D2 digest: 'none' fault: 'none' evaluations: 1 } last: true "
+     "lease_seconds: 10",
+     Outcome::kRefused},
+    {"RetrievalService/UploadCover", "data: 'abc' total_size: 4", Outcome::kRefused},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "

@@ -238,6 +238,7 @@ D2Descriptor::D2Descriptor(const D2Settings& settings)
     : settings_(settings),
       kernels_(std::make_shared<const Eigen::MatrixXd>(MakeKernels(settings))) {
   properties_.name = "d2";
+  properties_.version = 1;
   properties_.dimension = settings.kernels;
   properties_.natural_scale = 0.4;
   properties_.sampling_noise = 0.015;

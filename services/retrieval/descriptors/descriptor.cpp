@@ -20,6 +20,10 @@ double Descriptor::Distance(const Eigen::VectorXd& query, const Eigen::VectorXd&
   return (QuarterTurns(query).colwise() - stored).colwise().norm().minCoeff();
 }
 
+std::string FormatOf(const Descriptor& descriptor) {
+  return absl::StrCat(descriptor.properties().name, "/", descriptor.properties().version);
+}
+
 std::vector<std::string> DescriptorNames() { return {"d2", "voxel", "light-field"}; }
 
 absl::StatusOr<std::unique_ptr<Descriptor>> MakeDescriptor(std::string_view name) {

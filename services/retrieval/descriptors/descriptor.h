@@ -33,7 +33,9 @@ namespace mortise::retrieval {
 
 // What a caller must know of a descriptor.
 struct DescriptorProperties {
-  std::string name;             // "d2", "voxel" or "light-field"
+  std::string name;  // "d2", "voxel" or "light-field"
+  // Raised with every change of the numbers: vectors of another version say other things.
+  int version = 1;
   Eigen::Index dimension = 0;   // N
   bool compares_turns = false;  // whether the distance is the least over four quarter turns
   // How far apart two shapes typically are (the median over pairs of 249 shapes of furniture,
@@ -99,6 +101,9 @@ class Descriptor {
   // The distance of two shapes from their vectors, over the turns of `query`.
   double Distance(const Eigen::VectorXd& query, const Eigen::VectorXd& stored) const;
 };
+
+// What vectors of a descriptor are to be compared with: "d2/1", its name and version.
+std::string FormatOf(const Descriptor& descriptor);
 
 // The names that MakeDescriptor knows.
 std::vector<std::string> DescriptorNames();

@@ -143,6 +143,7 @@ class LightFieldDescriptor::Bound : public BoundDescriptor {
 LightFieldDescriptor::LightFieldDescriptor(const LightFieldSettings& settings)
     : features_(std::make_shared<const Features>(settings)) {
   properties_.name = "light-field";
+  properties_.version = 1;
   properties_.dimension = features_->views() * features_->view_size();
   properties_.compares_turns = true;
   properties_.natural_scale = 0.55;

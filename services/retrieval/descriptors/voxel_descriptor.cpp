@@ -156,6 +156,7 @@ VoxelDescriptor::VoxelDescriptor(const VoxelSettings& settings)
     : settings_(settings),
       kernels_(std::make_shared<const Eigen::MatrixXd>(MakeKernels(settings))) {
   properties_.name = "voxel";
+  properties_.version = 1;
   properties_.dimension = settings.kernels * settings.kernels * settings.kernels;
   properties_.compares_turns = true;
   properties_.natural_scale = 0.6;

@@ -1,5 +1,5 @@
-// The operation behind BuildIndex: covers what has not been covered, and puts the covers of all
-// templates together.
+// The operation behind BuildIndex: covers what has not been covered (index_covering.h), and puts
+// the covers of all templates together (index_assembly.h).
 #pragma once
 
 #include <memory>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "common/host/run_service.h"
 #include "common/operations/operations.h"
 #include "mortise/v1/retrieval.pb.h"
@@ -18,21 +19,28 @@ class BlobFolder;
 
 namespace mortise::retrieval {
 
+class CoverQueue;
+
 // INVALID_ARGUMENT naming each field at fault.
 absl::Status CheckRequest(const v1::BuildIndexRequest& request);
+
+// How long the catalog is waited for.
+inline constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 
 // What it stands on; all outlive it.
 struct IndexBuilding {
   rpc::ServiceEnvironment& environment;
   TemplateSource& templates;
   store::BlobFolder* blobs;
+  CoverQueue& covers;
+  int threads;             // of the service's own that cover families; 0 leaves all to workers
   std::timed_mutex& turn;  // one build at a time: two of different δ would mix their covers
 };
 
-// Runs it: the packed v1::BuildIndexResponse. Templates are covered on as many threads as there are
-// cores, each by itself, so that the index is the same on any number. A template that cannot be
-// covered is in the index with its fault, and is tried again by the next build. Cancelled, it keeps
-// the covers that are done, and the index stays as it was.
+// Runs it: the packed v1::BuildIndexResponse. Families are covered on threads of the service's own
+// and by workers elsewhere, each by itself, so that the index is the same on any number. A template
+// that cannot be covered is in the index with its fault, and is tried again by the next build.
+// Cancelled, it keeps the covers that are done, and the indexes stay as they were.
 absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
                                               jobs::OperationContext& context);
 

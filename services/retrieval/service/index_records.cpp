@@ -62,6 +62,23 @@ std::vector<v1::ShapeDescriptor> AllShapeDescriptors() {
   return {v1::D2, v1::VOXEL, v1::LIGHT_FIELD};
 }
 
+bool IsOfThisVersion(const v1::ShapeIndex& record, const Descriptor& descriptor) {
+  return record.format_version() == kIndexFormat &&
+         record.descriptor_version() == descriptor.properties().version;
+}
+
+v1::ShapeIndex EmptyCover(v1::ShapeDescriptor kind, double delta, const Descriptor& descriptor,
+                          const v1::ShapeIndex::Family& family) {
+  v1::ShapeIndex cover;
+  cover.set_name(absl::StrCat(kIndexes.names, "/", IndexIdOf(kind)));
+  cover.set_shape_descriptor(kind);
+  cover.set_delta(delta);
+  cover.set_format_version(kIndexFormat);
+  cover.set_descriptor_version(descriptor.properties().version);
+  *cover.add_families() = family;
+  return cover;
+}
+
 absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
                                                         const std::string& index,
                                                         const std::string& template_name,

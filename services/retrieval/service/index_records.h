@@ -13,6 +13,7 @@
 #include "common/resources/collection.h"
 #include "common/store/store.h"
 #include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/descriptors/descriptor.h"
 
 namespace mortise::retrieval {
 
@@ -20,13 +21,21 @@ inline const resources::Collection<v1::ShapeIndex> kIndexes{
     .names = "indexes", .kind = "indexes", .event = "index", .newest_first = false};
 
 // The `format_version` of what is written now.
-inline constexpr int kIndexFormat = 1;
+inline constexpr int kIndexFormat = 2;
 
 // "d2", "voxel", "light-field"; the id of the descriptor's index. D2 where it is unspecified.
 std::string IndexIdOf(v1::ShapeDescriptor descriptor);
 
 // Every descriptor there is, in a fixed order.
 std::vector<v1::ShapeDescriptor> AllShapeDescriptors();
+
+// Whether an index or a cover says what this version of the service says, and by a descriptor that
+// computes what this one does.
+bool IsOfThisVersion(const v1::ShapeIndex& record, const Descriptor& descriptor);
+
+// The cover of a family as this version writes it, without a file yet.
+v1::ShapeIndex EmptyCover(v1::ShapeDescriptor kind, double delta, const Descriptor& descriptor,
+                          const v1::ShapeIndex::Family& family);
 
 // The cover of a template, or of a group of its assembly, by an index's id, if there is one.
 // STORAGE_FAILED for a damaged record.

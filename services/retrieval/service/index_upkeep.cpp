@@ -38,7 +38,8 @@ Revisions RevisionsOf(const v1::ShapeIndex& index) {
 
 // Whether an index has the templates that it is kept up to as they are.
 bool IsCurrent(const v1::ShapeIndex& index, const Revisions& present) {
-  if (index.format_version() != kIndexFormat) return false;
+  const auto descriptor = MakeDescriptor(IndexIdOf(index.shape_descriptor()));
+  if (!descriptor.ok() || !IsOfThisVersion(index, **descriptor)) return false;
   const Revisions covered = RevisionsOf(index);
   if (index.every_template()) return covered == present;
   return std::all_of(covered.begin(), covered.end(), [&present](const auto& family) {

@@ -19,8 +19,8 @@ absl::Status Damaged(const v1::ShapeIndex& record, const absl::Status& status) {
 }
 
 // Whether an index has families that can be searched, and says of them what answers need.
-absl::Status CheckRecord(const v1::ShapeIndex& record) {
-  if (record.format_version() != kIndexFormat) {
+absl::Status CheckRecord(const v1::ShapeIndex& record, const Descriptor& descriptor) {
+  if (!IsOfThisVersion(record, descriptor)) {
     return PreconditionFailed(
         "INDEX_OUTDATED",
         "the index is of another version of the service, and is being built again", record.name());
@@ -48,13 +48,14 @@ LoadedIndexes::LoadedIndexes(store::Store* store, store::BlobFolder* blobs, Read
 
 absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Load(
     v1::ShapeIndex record) const {
-  const std::string id = IndexIdOf(record.shape_descriptor());
-  MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Descriptor> descriptor, MakeDescriptor(id));
+  MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Descriptor> descriptor,
+                           MakeDescriptor(IndexIdOf(record.shape_descriptor())));
+  MORTISE_RETURN_IF_ERROR(CheckRecord(record, *descriptor));
   const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record.sha256());
   if (!path.ok()) return Damaged(record, path.status());
   // From before it is read: what happens to it meanwhile shows later.
   const FileStamp stamp = StampOf(*path);
-  absl::StatusOr<StoredIndex> stored = read_(*path, id);
+  absl::StatusOr<StoredIndex> stored = read_(*path, FormatOf(*descriptor));
   if (!stored.ok()) return Damaged(record, stored.status());
   const absl::Status fits = CheckFamilies(record, stored->index);
   if (!fits.ok()) return Damaged(record, fits);
@@ -74,7 +75,6 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
         "INDEX_MISSING", absl::StrCat("there is no index by ", id, " yet: build it first"), name);
   }
   MORTISE_RETURN_IF_ERROR(record.status());
-  MORTISE_RETURN_IF_ERROR(CheckRecord(*record));
   const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record->sha256());
   Slot& slot = slots_.at(id);
   const std::lock_guard lock(slot.mutex);

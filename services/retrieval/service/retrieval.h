@@ -7,7 +7,13 @@
 #include "services/retrieval/service/template_source.h"
 #include "services/retrieval/service/uploaded_meshes.h"
 
+namespace mortise::store {
+class BlobFolder;
+}
+
 namespace mortise::retrieval {
+
+class CoverQueue;
 
 struct Retrieval {
   rpc::ServiceEnvironment& environment;
@@ -15,6 +21,8 @@ struct Retrieval {
   LoadedIndexes& indexes;
   const UploadedMeshes& meshes;
   MatchFacts& facts;
+  CoverQueue& covers;
+  store::BlobFolder* blobs;
 };
 
 }  // namespace mortise::retrieval

@@ -9,8 +9,9 @@
 
 namespace mortise::retrieval {
 
-// Needs the peer "catalog".
+// Needs the peer "catalog". `cover_threads`: of the service's own that make covers for indexes; 0
+// leaves all to workers.
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
-    rpc::ServiceEnvironment& environment);
+    rpc::ServiceEnvironment& environment, int cover_threads);
 
 }  // namespace mortise::retrieval

@@ -40,6 +40,8 @@ bool Workload::IsOurs() const {
   return absl::StartsWith(container["image"].get<std::string>(), "mortise:");
 }
 
+bool Workload::IsWorker() const { return name.ends_with("-worker"); }
+
 Manifests::Manifests() {
   const std::filesystem::path folder = SourceFolder() / "deploy" / "kubernetes";
   kustomization_ = ReadYaml({folder / "kustomization.yaml"}).at(0);

@@ -33,6 +33,8 @@ struct Workload {
   std::vector<std::string> Values(const std::string& flag) const;
   // Whether this is one of our programs.
   bool IsOurs() const;
+  // Whether it leases tasks from a service, and listens nowhere.
+  bool IsWorker() const;
 };
 
 // One process calls another, by the name of a Service.

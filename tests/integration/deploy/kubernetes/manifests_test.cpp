@@ -152,9 +152,8 @@ TEST_F(ManifestsTest, SelectorsSelect) {
 TEST_F(ManifestsTest, ListenersHaveProbesOnPortsThatAreThere) {
   for (const Workload& workload : manifests_.workloads()) {
     for (const char* kind : {"startupProbe", "readinessProbe"}) {
-      // A worker listens nowhere; the simulator takes its tasks back when it is silent.
-      ASSERT_EQ(workload.container.contains(kind), workload.name != "simulator-worker")
-          << workload.name;
+      // A worker listens nowhere; its service takes its tasks back when it is silent.
+      ASSERT_EQ(workload.container.contains(kind), !workload.IsWorker()) << workload.name;
       if (!workload.container.contains(kind)) continue;
       const Json& probe = workload.container[kind];
       if (!probe.contains("httpGet")) continue;
@@ -192,14 +191,17 @@ TEST_F(ManifestsTest, DrainingTakesLessThanKubernetesWaits) {
 }
 
 TEST_F(ManifestsTest, DrainingTakesLessThanComposeWaits) {
-  const Json worker = Compose()["services"]["simulator-worker"];
-  const std::string waits = worker["stop_grace_period"];
-  ASSERT_EQ(waits.back(), 's');
-  const std::string command = worker["command"].dump();
-  const std::string flag = "--drain-seconds=";
-  ASSERT_THAT(command, HasSubstr(flag));
-  EXPECT_GT(std::atoi(waits.c_str()),
-            std::atoi(command.c_str() + command.find(flag) + flag.size()) + 5);
+  const Json compose = Compose();
+  for (const char* name : {"simulator-worker", "retrieval-worker"}) {
+    const Json worker = compose["services"][name];
+    const std::string waits = worker["stop_grace_period"];
+    ASSERT_EQ(waits.back(), 's');
+    const std::string command = worker["command"].dump();
+    const std::string flag = "--drain-seconds=";
+    ASSERT_THAT(command, HasSubstr(flag));
+    EXPECT_GT(std::atoi(waits.c_str()),
+              std::atoi(command.c_str() + command.find(flag) + flag.size()) + 5);
+  }
 }
 
 TEST_F(ManifestsTest, MountsAndPathsBelongTogether) {

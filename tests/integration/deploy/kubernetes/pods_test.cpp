@@ -142,8 +142,8 @@ TEST_F(PodsTest, WorkTogetherAndEndWell) {
   ASSERT_EQ(analysis.exit_code, 0) << analysis.out << analysis.error;
   const Json document = Json::parse(analysis.out, nullptr, false);
   EXPECT_LT(document["total_load"]["z"].get<double>(), 0);
-  for (const char* pod : {"simulator-worker", "gateway", "pareto", "fabplanner", "retrieval",
-                          "simulator", "catalog"}) {
+  for (const char* pod : {"simulator-worker", "retrieval-worker", "gateway", "pareto", "fabplanner",
+                          "retrieval", "simulator", "catalog"}) {
     EXPECT_EQ(pods_.at(pod)->End(SIGTERM), 0) << pod;
   }
 }

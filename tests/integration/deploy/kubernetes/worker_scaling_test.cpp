@@ -1,13 +1,16 @@
-// What scales workers in deploy/kubernetes: its query on the store of a real simulator, and the
-// limits of those it starts.
+// What scales workers in deploy/kubernetes: its queries on the store of a real simulator and on
+// that of retrieval, and the limits of those it starts.
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <functional>
 #include <string>
 
+#include "common/store/store.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/simulator.grpc.pb.h"
+#include "services/retrieval/service/cover_queue.h"
 #include "tests/e2e/command.h"
 #include "tests/integration/deploy/kubernetes/manifests.h"
 #include "tests/integration/services/call_service.h"
@@ -20,9 +23,18 @@ namespace {
 
 class WorkerScalingTest : public ::testing::Test {
  protected:
-  Json Trigger() const {
-    const Json scaled = manifests_.Find("ScaledObject", "simulator-worker");
+  Json Trigger(const std::string& workers) const {
+    const Json scaled = manifests_.Find("ScaledObject", workers);
     return scaled.is_null() ? Json::object() : scaled["spec"]["triggers"][0];
+  }
+
+  // What the query that scales workers finds in a store.
+  std::string Depth(const std::string& workers, const std::string& store) const {
+    const std::string query = Trigger(workers)["metadata"]["query"];
+    const e2e::CommandResult result = e2e::Shell(
+        "psql --no-psqlrc --tuples-only --no-align '" + store + "' <<< \"" + query + "\"", "/");
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return result.out;
   }
 
   // Takes a task as a worker would; waits until there is one.
@@ -40,38 +52,64 @@ class WorkerScalingTest : public ::testing::Test {
   const Manifests manifests_;
 };
 
-TEST_F(WorkerScalingTest, ScalesTheWorkersOnTheStoreThatTheSimulatorHas) {
-  const Json scaled = manifests_.Find("ScaledObject", "simulator-worker");
-  ASSERT_FALSE(scaled.is_null());
-  const std::string target = scaled["spec"]["scaleTargetRef"]["name"];
-  EXPECT_EQ(manifests_.workload(target).document["kind"], "Deployment");
-  EXPECT_FALSE(manifests_.workload(target).document["spec"].contains("replicas"))
-      << "applying the manifests again would undo the scaling";
-  const Json store = Trigger()["metadata"];
-  EXPECT_EQ(Trigger()["type"], "postgresql");
-  const std::string name_space = manifests_.kustomization()["namespace"];
-  EXPECT_EQ(store["host"], "postgres." + name_space + ".svc.cluster.local");
-  EXPECT_EQ(manifests_.workload("simulator").environment["MORTISE_STORE"],
-            "postgresql://" + store["userName"].get<std::string>() + "@postgres/" +
-                store["dbName"].get<std::string>());
-  EXPECT_EQ(std::to_string(manifests_.workload("postgres").ports["postgresql"].get<int>()),
-            store["port"]);
-  EXPECT_FALSE(
-      manifests_.Find("TriggerAuthentication", Trigger()["authenticationRef"]["name"]).is_null());
+TEST_F(WorkerScalingTest, ScalesTheWorkersOnTheStoreThatTheirServiceHas) {
+  for (const std::string service : {"simulator", "retrieval"}) {
+    SCOPED_TRACE(service);
+    const std::string workers = service + "-worker";
+    const Json scaled = manifests_.Find("ScaledObject", workers);
+    ASSERT_FALSE(scaled.is_null());
+    const std::string target = scaled["spec"]["scaleTargetRef"]["name"];
+    EXPECT_EQ(target, workers);
+    EXPECT_EQ(manifests_.workload(target).document["kind"], "Deployment");
+    EXPECT_FALSE(manifests_.workload(target).document["spec"].contains("replicas"))
+        << "applying the manifests again would undo the scaling";
+    const Json trigger = Trigger(workers);
+    const Json store = trigger["metadata"];
+    EXPECT_EQ(trigger["type"], "postgresql");
+    const std::string name_space = manifests_.kustomization()["namespace"];
+    EXPECT_EQ(store["host"], "postgres." + name_space + ".svc.cluster.local");
+    EXPECT_EQ(manifests_.workload(service).environment["MORTISE_STORE"],
+              "postgresql://" + store["userName"].get<std::string>() + "@postgres/" +
+                  store["dbName"].get<std::string>());
+    EXPECT_EQ(std::to_string(manifests_.workload("postgres").ports["postgresql"].get<int>()),
+              store["port"]);
+    EXPECT_FALSE(
+        manifests_.Find("TriggerAuthentication", trigger["authenticationRef"]["name"]).is_null());
+  }
+}
+
+TEST_F(WorkerScalingTest, QueryCountsTheCoversThatWaitOrAreWorkedOn) {
+  const auto cluster = PrivatePostgresql::Start();
+  ASSERT_TRUE(cluster.ok()) << cluster.status();
+  const auto store = store::OpenStore({.url = (*cluster)->url(), .service = "retrieval"});
+  ASSERT_TRUE(store.ok()) << store.status();
+  const auto change = [&](const std::function<absl::Status(store::Transaction&)>& what) {
+    const absl::Status changed = (*store)->Transact(what);
+    EXPECT_TRUE(changed.ok()) << changed;
+    return Depth("retrieval-worker", (*cluster)->url());
+  };
+  constexpr const char* kQueue = retrieval::kCoverQueue;
+  EXPECT_EQ(change([](store::Transaction& transaction) {
+              return transaction
+                  .EnqueueTasks({{.queue = kQueue, .key = "one"}, {.queue = kQueue, .key = "two"}})
+                  .status();
+            }),
+            "2\n");
+  EXPECT_EQ(change([](store::Transaction& transaction) {
+              return transaction.LeaseTasks(kQueue, "played", 1, absl::Hours(1)).status();
+            }),
+            "2\n");
+  EXPECT_EQ(change([](store::Transaction& transaction) {
+              return transaction.CompleteTask(kQueue, "one", 1, "").status();
+            }),
+            "1\n");
 }
 
 TEST_F(WorkerScalingTest, QueryCountsTheTasksThatWaitOrAreWorkedOn) {
   const auto cluster = PrivatePostgresql::Start();
   ASSERT_TRUE(cluster.ok()) << cluster.status();
   ServiceUnderTest service("mortise-simulator", {"--peer=catalog=127.0.0.1:1"}, (*cluster)->url());
-  const auto depth = [&] {
-    const std::string query = Trigger()["metadata"]["query"];
-    const e2e::CommandResult result = e2e::Shell("psql --no-psqlrc --tuples-only --no-align '" +
-                                                     (*cluster)->url() + "' <<< \"" + query + "\"",
-                                                 "/");
-    EXPECT_EQ(result.exit_code, 0) << result.error;
-    return result.out;
-  };
+  const auto depth = [&] { return Depth("simulator-worker", (*cluster)->url()); };
   EXPECT_EQ(depth(), "0\n");
 
   const auto simulator = v1::SimulatorService::NewStub(service.channel());

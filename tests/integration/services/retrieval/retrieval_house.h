@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -50,12 +52,16 @@ class SmallCollection {
 // A catalog with that collection, and the service.
 class RetrievalHouse {
  public:
-  RetrievalHouse() { Connect(); }
+  // `flags` of the service, such as how many covers it makes by itself.
+  explicit RetrievalHouse(std::vector<std::string> flags = {})
+      : service_("mortise-retrieval", With(std::move(flags))) {
+    Connect();
+  }
 
   // On what others of their kind have left in these folders.
   RetrievalHouse(const std::filesystem::path& catalog, const std::filesystem::path& service)
       : catalog_("mortise-catalog", {"--collection=" + collection_.path()}, {}, catalog),
-        service_("mortise-retrieval", {"--peer=catalog=" + catalog_.address()}, {}, service) {
+        service_("mortise-retrieval", With({}), {}, service) {
     Connect();
   }
 
@@ -114,6 +120,11 @@ class RetrievalHouse {
   }
 
  private:
+  std::vector<std::string> With(std::vector<std::string> flags) const {
+    flags.push_back("--peer=catalog=" + catalog_.address());
+    return flags;
+  }
+
   void Connect() {
     retrieval_ = v1::RetrievalService::NewStub(service_.channel());
     catalog_stub_ = v1::CatalogService::NewStub(catalog_.channel());
@@ -121,7 +132,7 @@ class RetrievalHouse {
 
   const SmallCollection collection_;
   ServiceUnderTest catalog_{"mortise-catalog", {"--collection=" + collection_.path()}};
-  ServiceUnderTest service_{"mortise-retrieval", {"--peer=catalog=" + catalog_.address()}};
+  ServiceUnderTest service_;
   std::unique_ptr<v1::RetrievalService::Stub> retrieval_;
   std::unique_ptr<v1::CatalogService::Stub> catalog_stub_;
 };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -61,6 +62,24 @@ TEST(PlanHouse, HasTheGatewayEveryServiceAndTheWorkers) {
               testing::UnorderedElementsAre("gateway", "catalog", "simulator", "pareto",
                                             "fabplanner", "retrieval", "simulator-worker-1",
                                             "simulator-worker-2", "simulator-worker-3"));
+}
+
+TEST(PlanHouse, AddsRetrievalWorkersThatKnowTheirServices) {
+  HouseOptions options = Development();
+  options.retrieval_workers = 2;
+  const HousePlan plan = PlanHouse(options).value();
+  std::map<std::string, std::string> addresses;
+  for (const HouseProcess& process : plan.processes) addresses[process.name] = process.address;
+  int workers = 0;
+  for (const HouseProcess& process : plan.processes) {
+    if (process.name.rfind("retrieval-worker-", 0) != 0) continue;
+    ++workers;
+    EXPECT_THAT(process.command, Contains("--worker"));
+    EXPECT_THAT(process.command, Contains(process.name));
+    EXPECT_THAT(process.command, Contains("retrieval=" + addresses["retrieval"]));
+    EXPECT_THAT(process.command, Contains("catalog=" + addresses["catalog"]));
+  }
+  EXPECT_EQ(workers, 2);
 }
 
 TEST(PlanHouse, AddsTheVirtualCellAndItsBridge) {
