@@ -10,6 +10,7 @@
 #include "mortise/v1/retrieval.grpc.pb.h"
 #include "services/retrieval/service/cover_methods.h"
 #include "services/retrieval/service/cover_queue.h"
+#include "services/retrieval/service/file_upkeep.h"
 #include "services/retrieval/service/index_methods.h"
 #include "services/retrieval/service/index_operation.h"
 #include "services/retrieval/service/index_upkeep.h"
@@ -33,7 +34,8 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
         facts_(&templates_),
         retrieval_{environment, templates_, indexes_, meshes_, facts_, covers_, blobs},
         endpoint_(environment.dispatcher, "mortise.v1.RetrievalService"),
-        upkeep_(environment, std::move(catalog), templates_) {
+        upkeep_(environment, std::move(catalog), templates_),
+        files_(environment) {
     environment.operations->Register(
         jobs::kIndexOperation, [this, blobs, cover_threads](jobs::OperationContext& context) {
           return RunIndexOperation(
@@ -63,6 +65,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
   const Retrieval retrieval_;
   rpc::Endpoint endpoint_;
   const IndexUpkeep upkeep_;
+  const FileUpkeep files_;
 };
 
 }  // namespace

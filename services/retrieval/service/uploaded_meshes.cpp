@@ -12,7 +12,7 @@ namespace {
 constexpr std::chrono::hours kPause{1};
 
 rpc::UploadedKind Meshes() {
-  return {.records = "meshes",
+  return {.records = kMeshRecords,
           .field = "upload",
           .full_reason = "UPLOADS_FULL",
           .most_in_one = mesh::kMaxSceneBytes};

@@ -17,6 +17,9 @@ class Store;
 
 namespace mortise::retrieval {
 
+// The kind of their records, whose keys are the digests of their files.
+inline constexpr char kMeshRecords[] = "meshes";
+
 // Thread safe. Every hour it forgets what was last uploaded a day ago or longer, on a thread of its
 // own, and removes uploads that broke off with the process that received them.
 class UploadedMeshes {
