@@ -6,6 +6,7 @@
 - Only the folders of the block marked `messages` include gRPC, protobuf and generated messages.
 - Only common/store includes SQLite and PostgreSQL.
 - Headers that say "Private to this folder" are included by their folder, and its tests, alone.
+- No loop goes over the columns or rows of a matrix that a call returns.
 - A folder has at most 45 files, a hand-written source at most 500 lines, a function at most 60.
 - Every source has its test at its mirrored path, tests/unit/<path>_test.cpp, or stands in
   tests/tested_elsewhere.txt with the test that tests it.
@@ -153,6 +154,14 @@ def private_faults(sources):
                 yield f"{name}: includes {header}, which is private to its folder"
 
 
+def dangling_faults(sources):
+    """A loop over the columns of what a call returns reads what is no longer there."""
+    for name in sources:
+        text = open(name, encoding="utf-8").read()
+        for loop in re.findall(r"for \([^;{]*?:[^;{]*?(?<!back\()(?<!front\()\)\.(?:colwise|rowwise)\(\)\)", text):
+            yield f"{name}: {loop} loops over a temporary matrix; keep it in a variable first"
+
+
 def long_functions(text):
     """(first line, name, lines) of each function at namespace level that is too long. The sources are
     formatted: such a function begins and ends in the first column."""
@@ -226,7 +235,7 @@ def main():
     arrows = read_arrows()
     edges = read_includes(sources)
     faults = list(arrow_faults(edges, arrows)) + cycle_faults(edges) + list(private_faults(written))
-    faults += list(sql_faults(sources))
+    faults += list(sql_faults(sources)) + list(dangling_faults(written))
     faults += list(message_faults(sources, read_block("messages").split()))
     faults += list(test_faults(files))
     exceptions = read_table("tools/structure_exceptions.txt")

@@ -87,9 +87,8 @@ absl::StatusOr<IndexQuery> IndexQueryOf(const v1::SearchShapesRequest& request,
   }
   IndexQuery wanted;
   wanted.count = request.limit() == 0 ? kDefaultLimit : request.limit();
-  for (const auto& turned : index.descriptor->QuarterTurns(*described).colwise()) {
-    wanted.descriptors.emplace_back(turned);
-  }
+  const Eigen::MatrixXd turns = index.descriptor->QuarterTurns(*described);
+  for (const auto& turned : turns.colwise()) wanted.descriptors.emplace_back(turned);
   wanted.allowed = [&](int family) { return MayBeFound(filter, index.record.families(family)); };
   return wanted;
 }

@@ -81,6 +81,11 @@ class CheckStructure(unittest.TestCase):
         self.assertIn("services/one/b/b.h: includes", faults)
         self.assertNotIn("services/one/a/a.h: includes", faults)
 
+    def test_loops_over_matrices_that_are_gone_are_named(self):
+        self.write("services/one/one.h", "for (const auto& turn : d->Turns(*v).colwise()) {}\n"
+                   "for (const auto& turn : turns.colwise()) {}\n")
+        self.assertEqual(self.faults().count("loops over a temporary matrix"), 1)
+
     def test_what_is_too_long_needs_a_reason(self):
         body = "int Long() {\n" + "  ;\n" * 60 + "}\n"
         self.write("services/one/one.h", body)

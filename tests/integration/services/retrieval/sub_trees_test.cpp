@@ -130,6 +130,19 @@ TEST_F(SubTreesTest, AreFoundByWhatTheyLookLike) {
   EXPECT_GT(nearest.parameters_size(), 0);
 }
 
+TEST_F(SubTreesTest, AreFoundTheSameEachTime) {
+  const auto first = SearchForParts("drawer");
+  ASSERT_TRUE(first.ok()) << first.status();
+  for (int time = 0; time < 10; ++time) {
+    const auto again = SearchForParts("drawer");
+    ASSERT_TRUE(again.ok()) << again.status();
+    ASSERT_EQ(again->matches_size(), first->matches_size());
+    for (int i = 0; i < first->matches_size(); ++i) {
+      EXPECT_EQ(again->matches(i).ShortDebugString(), first->matches(i).ShortDebugString());
+    }
+  }
+}
+
 TEST_F(SubTreesTest, DoNotStandForTheWhole) {
   const auto found = SearchForParts("");
   ASSERT_TRUE(found.ok()) << found.status();

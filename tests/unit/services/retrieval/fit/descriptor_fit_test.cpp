@@ -28,9 +28,8 @@ TEST(DescriptorFitTest, ComesNearerByTheDescriptor) {
     ASSERT_TRUE(descriptor.ok());
     std::vector<VectorXd> query;
     const VectorXd vector = *(*descriptor)->Describe(Chair(hidden));
-    for (const auto& turned : (*descriptor)->QuarterTurns(vector).colwise()) {
-      query.emplace_back(turned);
-    }
+    const Eigen::MatrixXd turns = (*descriptor)->QuarterTurns(vector);
+    for (const auto& turned : turns.colwise()) query.emplace_back(turned);
     const auto nearer = NearerByDescriptor(**descriptor, query, family, start, 1);
     ASSERT_TRUE(nearer.ok()) << nearer.status();
     const auto distance = [&](const VectorXd& q) {
