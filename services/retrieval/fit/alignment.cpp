@@ -119,19 +119,40 @@ LinearConstraints OfAllUnknowns(const LinearConstraints& constraints, Index unkn
   return all;
 }
 
-// The change that makes the sum least within the constraints; damped.
-absl::StatusOr<VectorXd> Solve(const NormalEquations& sums, const VectorXd& extents, double damping,
-                               const LinearConstraints& constraints, const VectorXd& at) {
-  MatrixXd square = sums.square().selfadjointView<Eigen::Lower>();
-  const VectorXd scaled = square.diagonal().cwiseProduct(extents.cwiseAbs2());
-  const double largest = scaled.maxCoeff();
-  if (!(largest > 0)) return VectorXd(VectorXd::Zero(at.size()));
-  square.diagonal() += std::max(damping, 1e-10) * largest * extents.cwiseAbs2().cwiseInverse();
-  const Eigen::LLT<MatrixXd> factor(square);
-  const MatrixXd root = factor.matrixU();
-  const VectorXd move = factor.matrixL().solve(sums.right());
-  return ConstrainedStep(constraints, at, root, extents, move);
-}
+// The damped sum of squares at its least, and what changes that.
+class DampedSum {
+ public:
+  DampedSum(const NormalEquations& sums, const VectorXd& extents, double damping)
+      : extents_(extents), right_(sums.right()) {
+    MatrixXd square = sums.square().selfadjointView<Eigen::Lower>();
+    const double largest = square.diagonal().cwiseProduct(extents.cwiseAbs2()).maxCoeff();
+    is_empty_ = !(largest > 0);
+    if (is_empty_) return;
+    square.diagonal() += std::max(damping, 1e-10) * largest * extents.cwiseAbs2().cwiseInverse();
+    factor_.compute(square);
+  }
+
+  // The change that makes it least within the constraints.
+  absl::StatusOr<VectorXd> Change(const LinearConstraints& constraints, const VectorXd& at) const {
+    if (is_empty_) return VectorXd(VectorXd::Zero(at.size()));
+    const MatrixXd root = factor_.matrixU();
+    const VectorXd move = factor_.matrixL().solve(right_);
+    return ConstrainedStep(constraints, at, root, extents_, move);
+  }
+
+  // Standard deviations of the unknowns for each unit of that of a single offset.
+  VectorXd Deviations() const {
+    if (is_empty_) return VectorXd::Zero(right_.size());
+    const auto count = right_.size();
+    return factor_.solve(MatrixXd::Identity(count, count)).diagonal().cwiseMax(0).cwiseSqrt();
+  }
+
+ private:
+  const VectorXd extents_;
+  const VectorXd right_;
+  bool is_empty_ = false;
+  Eigen::LLT<MatrixXd> factor_;
+};
 
 // The design as it is at a placement, and the query beside it.
 struct Scene {
@@ -223,9 +244,17 @@ Index QuerySearch::Find(const Vector3d& place, const Vector3d& normal) const {
   return numbers_[static_cast<std::size_t>(tree_->Find(place, normal).index)];
 }
 
-absl::StatusOr<double> Alignment::Step(const AlignmentStep& step,
-                                       const LinearConstraints& constraints, const VectorXd& ranges,
-                                       Placement* placement) const {
+VectorXd UnknownsOf(const Placement& placement) {
+  VectorXd unknowns(placement.q.size() + 5);
+  unknowns << placement.q, placement.pose.turn, placement.pose.translation,
+      std::log(placement.pose.scale);
+  return unknowns;
+}
+
+absl::StatusOr<AlignmentChange> Alignment::Step(const AlignmentStep& step,
+                                                const LinearConstraints& constraints,
+                                                const VectorXd& ranges,
+                                                Placement* placement) const {
   const QueryPoints& query = query_.points();
   Linearization linear(member_, *placement, options_.scale_is_free);
   const Scene scene(query, linear.surface(), placement->pose, options_, step);
@@ -240,14 +269,19 @@ absl::StatusOr<double> Alignment::Step(const AlignmentStep& step,
   extents.segment<3>(count + 1).setConstant(placement->pose.scale * query.diagonal);
   VectorXd at = VectorXd::Zero(linear.unknowns());
   at.head(count) = placement->q;
-  MORTISE_ASSIGN_OR_RETURN(
-      const VectorXd change,
-      Solve(sums, extents, step.damping, OfAllUnknowns(constraints, linear.unknowns()), at));
+  const DampedSum sum(sums, extents, step.damping);
+  MORTISE_ASSIGN_OR_RETURN(const VectorXd change,
+                           sum.Change(OfAllUnknowns(constraints, linear.unknowns()), at));
   placement->q += change.head(count);
   placement->pose.turn += change[count];
   placement->pose.translation += change.segment<3>(count + 1);
   if (options_.scale_is_free) placement->pose.scale *= std::exp(change[count + 4]);
-  return change.cwiseQuotient(extents).cwiseAbs().maxCoeff();
+  // Each of N points has a weight of 1/N.
+  const double of_noise = query.noise / std::sqrt(static_cast<double>(query.size()));
+  AlignmentChange done{.largest = change.cwiseQuotient(extents).cwiseAbs().maxCoeff(),
+                       .deviations = VectorXd::Zero(count + 5)};
+  done.deviations.head(linear.unknowns()) = of_noise * sum.Deviations();
+  return done;
 }
 
 }  // namespace mortise::retrieval

@@ -52,6 +52,16 @@ struct AlignmentStep {
   bool stretched = false;  // finds what belongs together in one box, as when sizes are quite wrong
 };
 
+// What a step did.
+struct AlignmentChange {
+  double largest = 0;  // change of an unknown, in parts of its extent
+  // K + 5: standard deviations that noise in the query leaves the unknowns, as UnknownsOf has them.
+  Eigen::VectorXd deviations;
+};
+
+// The parameters, the turn, the translation and the logarithm of the scale: K + 5.
+Eigen::VectorXd UnknownsOf(const Placement& placement);
+
 // Steps of a fit to a family near one of its members, to first order.
 class Alignment {
  public:
@@ -62,9 +72,10 @@ class Alignment {
   // Finds for each point of the query a triangle of the design that faces the same way, and for
   // points of the design such points of the query, and moves parameters, within the constraints,
   // and pose to where the planes are nearest, in least squares that what is far off has no part in.
-  // Returns the largest change, each unknown in parts of its extent. INTERNAL as ConstrainedStep.
-  absl::StatusOr<double> Step(const AlignmentStep& step, const LinearConstraints& constraints,
-                              const Eigen::VectorXd& ranges, Placement* placement) const;
+  // INTERNAL as ConstrainedStep.
+  absl::StatusOr<AlignmentChange> Step(const AlignmentStep& step,
+                                       const LinearConstraints& constraints,
+                                       const Eigen::VectorXd& ranges, Placement* placement) const;
 
  private:
   const QuerySearch& query_;

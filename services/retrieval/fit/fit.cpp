@@ -51,12 +51,15 @@ constexpr double kReachOfNoise = 3;    // deviations, with noise
 constexpr double kShrink = 0.75;       // of the reach, from step to step
 constexpr double kTrust = 0.35;        // of each range, in one step
 constexpr int kCoarseRounds = 6;
-constexpr int kFineRounds = 8;
 constexpr int kStepsOfRound = 4;
 constexpr double kAlike = 0.85;         // cosine of normals, in the end
 constexpr double kDoneOfNoise = 0.005;  // of the noise, in parts of the diagonal
 constexpr double kDone = 1e-8;          // of the extents: a smaller change is none
-constexpr int kShortenings = 6;         // halvings of a step to where no design is
+// A fit has settled when a round moves no parameter by more than this of its range, and the pose by
+// as little, or by no more than this of the standard deviation that noise leaves it.
+constexpr double kSettled = 1e-5;
+constexpr double kSettledOfNoise = 0.1;
+constexpr int kShortenings = 6;  // halvings of a step to where no design is
 
 // Finite numbers of the triangles' corners alone, about the middle.
 mesh::SurfaceMesh AboutMiddle(const mesh::SurfaceMesh& surface, Vector3d* middle) {
@@ -127,7 +130,8 @@ class DesignFit {
       if (!best || fitted->difference < best->difference) best = *std::move(fitted);
     }
     if (!best) return failure;
-    MORTISE_RETURN_IF_ERROR(Align(query_.fine, kFinePoints / 2, kFineRounds, false, &*best));
+    MORTISE_RETURN_IF_ERROR(
+        Align(query_.fine, kFinePoints / 2, options_.fine_rounds, false, &*best));
     return Told(*best);
   }
 
@@ -229,30 +233,42 @@ class DesignFit {
     double reach = from_afar ? kFirstReach * diagonal : least;
     for (int round = 0; round < rounds; ++round) {
       if (options_.is_given_up()) return absl::CancelledError("the fit was given up");
-      const VectorXd begun = fitted->placement.q;
+      const Placement begun = fitted->placement;
       const Alignment alignment(
           query, fitted->member,
           {.scale_is_free = options_.scale_is_free, .design_points = design_points});
-      double change = 0;
+      AlignmentChange change;
       for (int i = 0; i < kStepsOfRound; ++i) {
         AlignmentStep step{.reach = reach, .damping = from_afar ? 1e-5 : 1e-9};
         if (!from_afar) step.alike = kAlike;
         step.stretched = from_afar && round == 0 && i < 2;
         if (from_afar && round == 0 && i == 0) step.damping = 1e-3;
         MORTISE_ASSIGN_OR_RETURN(
-            change, alignment.Step(step, ConstraintsFrom(begun), ranges_, &fitted->placement));
+            change, alignment.Step(step, ConstraintsFrom(begun.q), ranges_, &fitted->placement));
         ++iterations_;
         reach = std::max(least, kShrink * reach);
-        if (change < done) break;
+        if (change.largest < done) break;
       }
       MoveTo(fitted);
       const double moved =
-          (fitted->placement.q - begun).cwiseQuotient(ranges_).cwiseAbs().maxCoeff();
-      fitted->converged = moved < 100 * done && change < 1000 * done;
-      if (reach == least && moved < done && change < 10 * done) break;
+          (fitted->placement.q - begun.q).cwiseQuotient(ranges_).cwiseAbs().maxCoeff();
+      fitted->converged =
+          reach == least && HasSettled(begun, fitted->placement, diagonal, change.deviations);
+      if (reach == least && moved < done && change.largest < 10 * done) break;
     }
     fitted->difference = DifferenceOf(*fitted);
     return absl::OkStatus();
+  }
+
+  // Whether a round moved nothing by more than what is next to nothing.
+  bool HasSettled(const Placement& begun, const Placement& ended, double diagonal,
+                  const VectorXd& deviations) const {
+    VectorXd extents = VectorXd::Ones(ranges_.size() + 5);
+    extents.head(ranges_.size()) = ranges_;
+    extents.segment<3>(ranges_.size() + 1).setConstant(diagonal);
+    const VectorXd nothing = (kSettled * extents).cwiseMax(kSettledOfNoise * deviations);
+    const VectorXd moves = (UnknownsOf(ended) - UnknownsOf(begun)).cwiseAbs();
+    return (moves.array() <= nothing.array()).all();
   }
 
   // The feasible set, as far as a step from q may go.

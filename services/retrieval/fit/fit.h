@@ -53,8 +53,9 @@ struct FitOptions {
   // the first start is improved by it, and is another start then. Not done without.
   const Descriptor* descriptor = nullptr;
   std::vector<Eigen::VectorXd> descriptor_vectors = {};
-  int refined = 3;  // starts that are aligned coarsely, >= 1
-  int threads = 1;  // for designs beside each other
+  int refined = 3;      // starts that are aligned coarsely, >= 1
+  int fine_rounds = 8;  // of steps that the best of them is aligned finely in, at most, >= 1
+  int threads = 1;      // for designs beside each other
   // Asked now and then: true ends the fit, CANCELLED.
   std::function<bool()> is_given_up = [] { return false; };
 };
@@ -66,7 +67,9 @@ struct FittedDesign {
   DistanceSummary beyond;     // m, from the design's surface to the query's: what that lacks
   int iterations = 0;         // steps of the alignment, of all starts together
   int evaluations = 0;        // members of the family that were made, those beside it left out
-  bool converged = false;     // whether the last step changed next to nothing
+  // Whether the last round of steps moved no parameter by more than a hundred thousandth of its
+  // range, or by more than a tenth of the standard deviation that noise in the query leaves it.
+  bool converged = false;
 };
 
 // The member of the family that comes nearest to the query from one of the starts. Distances are

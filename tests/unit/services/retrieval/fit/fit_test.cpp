@@ -94,6 +94,28 @@ TEST(FitTest, IsNotLedAstrayByNoiseAndHoles) {
   EXPECT_LT(fitted->remaining.root_mean_square, 0.005 * testing::DiagonalOf(scan));
 }
 
+// With noise a fit is done when more steps change nothing that the noise lets anybody know.
+TEST(FitTest, HasConvergedWhenMoreStepsChangeNothing) {
+  const FitFamily family = Chairs();
+  for (const double noise : {0.0, 0.003, 0.01}) {
+    Random random(4);
+    mesh::SurfaceMesh scan = testing::Refined(Chair(kChair), 0.03);
+    testing::AddNoise(scan, noise * testing::DiagonalOf(scan), random);
+    std::vector<FittedDesign> after;  // so many rounds and one
+    for (int rounds = 1; rounds <= 9; ++rounds) {
+      const auto fitted = Fit(scan, family, {.fine_rounds = rounds});
+      ASSERT_TRUE(fitted.ok()) << fitted.status();
+      after.push_back(*fitted);
+    }
+    for (const FittedDesign& fitted : after) {
+      if (fitted.converged) EXPECT_LT(ErrorOf(fitted, family, after.back().q), 1e-5) << noise;
+    }
+    EXPECT_TRUE(after.back().converged) << noise;
+    // The first round still moves what the coarse alignment has found by more than noise would.
+    EXPECT_EQ(after.front().converged, noise == 0) << noise;
+  }
+}
+
 TEST(FitTest, TellsTheScaleWhereItIsFree) {
   const FitFamily family = Chairs();  // whose boards are of one thickness
   mesh::SurfaceMesh millimetres = Chair(kChair);
