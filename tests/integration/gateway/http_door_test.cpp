@@ -15,6 +15,7 @@ using Json = nlohmann::json;
 
 constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
 constexpr char kExport[] = "/mortise.v1.CatalogService/ExportDesign";
+constexpr char kUpload[] = "/mortise.v1.SimulatorService/UploadBlob";
 
 class HttpDoorTest : public GatewayTest {
  protected:
@@ -70,6 +71,30 @@ TEST_F(HttpDoorTest, AnswersStreams) {
   EXPECT_EQ(messages[1]["offset"], "262144");
   EXPECT_EQ(last_flags[0], static_cast<char>(kEndStreamFlag));
   EXPECT_FALSE(messages.back().contains("error"));
+}
+
+TEST_F(HttpDoorTest, TakesStreamsOfMessagesInOneBody) {
+  const std::map<std::string, std::string> streaming = {
+      {"Content-Type", "application/connect+json"}};
+  // "abcd", "e" and nothing, in base64.
+  const std::string chunks = Envelope(0, R"({"totalSize":"5","data":"YWJjZA=="})") +
+                             Envelope(0, R"({"offset":"4","data":"ZQ=="})") +
+                             Envelope(0, R"({"offset":5})");
+  const HttpAnswer answer = Post(kUpload, chunks, streaming);
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(answer.headers.at("content-type"), "application/connect+json");
+  EXPECT_THAT(answer.body, HasSubstr(R"({"sha256":"5"})")) << "the number of bytes that came";
+  EXPECT_THAT(answer.body, Not(HasSubstr("error")));
+  // A stream of none is one, too.
+  EXPECT_THAT(Post(kUpload, "", streaming).body, HasSubstr(R"({"sha256":"0"})"));
+
+  const auto refusal = [&](const std::string& body) { return Post(kUpload, body, streaming).body; };
+  EXPECT_THAT(refusal(Envelope(0, R"({"data":"?"})")), HasSubstr("data"));
+  EXPECT_THAT(refusal(Envelope(0, R"({"data":"YQ=="})") + Envelope(0, R"({"size":1})")),
+              HasSubstr("size"));
+  EXPECT_THAT(refusal(chunks.substr(0, chunks.size() - 3)), HasSubstr("invalid_argument"));
+  ExpectError(Post(kUpload, R"({"data":"YQ=="})"), 415, "invalid_argument",
+              "application/connect+json");
 }
 
 TEST_F(HttpDoorTest, NamesTheFieldOfBadInput) {
