@@ -10,7 +10,6 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
-#include "services/retrieval/service/cover_files.h"
 #include "services/retrieval/service/cover_making.h"
 #include "services/retrieval/service/cover_queue.h"
 #include "services/retrieval/service/index_records.h"

@@ -13,7 +13,6 @@
 #include "common/rpc/status_mapping.h"
 #include "common/store/blob_folder.h"
 #include "google/rpc/status.pb.h"
-#include "services/retrieval/service/cover_files.h"
 #include "services/retrieval/service/index_records.h"
 
 namespace mortise::retrieval {

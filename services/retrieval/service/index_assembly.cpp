@@ -11,7 +11,6 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "services/retrieval/index/index_file.h"
-#include "services/retrieval/service/cover_files.h"
 #include "services/retrieval/service/cover_making.h"
 #include "services/retrieval/service/index_records.h"
 

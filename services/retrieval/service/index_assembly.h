@@ -8,7 +8,6 @@
 #include "mortise/v1/catalog.pb.h"
 #include "mortise/v1/retrieval.pb.h"
 #include "services/retrieval/service/index_operation.h"
-#include "services/retrieval/service/index_target.h"
 
 namespace mortise::retrieval {
 

@@ -12,9 +12,9 @@
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
-#include "services/retrieval/service/cover_files.h"
 #include "services/retrieval/service/cover_making.h"
 #include "services/retrieval/service/cover_queue.h"
+#include "services/retrieval/service/index_records.h"
 
 namespace mortise::retrieval {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -11,6 +13,7 @@
 #include "common/host/run_service.h"
 #include "common/operations/operations.h"
 #include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/descriptors/descriptor.h"
 #include "services/retrieval/service/template_source.h"
 
 namespace mortise::store {
@@ -23,6 +26,20 @@ class CoverQueue;
 
 // INVALID_ARGUMENT naming each field at fault.
 absl::Status CheckRequest(const v1::BuildIndexRequest& request);
+
+// An index that is being built.
+struct IndexTarget {
+  v1::ShapeDescriptor kind = v1::D2;
+  std::string id;
+  std::shared_ptr<const Descriptor> descriptor;
+  double delta = 0;
+  // Templates that are covered; all without.
+  std::optional<std::set<std::string>> wanted = {};
+
+  bool Wants(const std::string& template_name) const {
+    return !wanted || wanted->contains(template_name);
+  }
+};
 
 // How long the catalog is waited for.
 inline constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
