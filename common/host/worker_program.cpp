@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
@@ -171,6 +172,10 @@ bool AwaitConnection(grpc::Channel& channel, const std::stop_token& stop) {
     if (channel.WaitForConnected(std::chrono::system_clock::now() + kLookForStop)) return true;
   }
   return false;
+}
+
+bool AwaitConnection(grpc::Channel& channel, absl::Duration patience) {
+  return channel.WaitForConnected(absl::ToChronoTime(absl::Now() + patience));
 }
 
 }  // namespace mortise::rpc

@@ -46,4 +46,7 @@ int RunWorkerProgram(int argc, char** argv, const WorkerProgram& program);
 // that finds no connection fails at once, and a TLS handshake goes on only while somebody waits.
 bool AwaitConnection(grpc::Channel& channel, const std::stop_token& stop);
 
+// The same for so long at most.
+bool AwaitConnection(grpc::Channel& channel, absl::Duration patience);
+
 }  // namespace mortise::rpc

@@ -43,10 +43,13 @@ class LeasedTask {
     if (renewed.ok()) return !renewed->lost();
     Log(LogLevel::kWarning, "a lease was not renewed",
         {{"task", task_.name()}, {"error", renewed.status().message()}});
+    // A service that begins again is to be found again while this thread waits for nothing else.
+    rpc::AwaitConnection(*environment_.channels.at("retrieval"), environment_.lease / 3);
     return true;
   }
 
   absl::Status Report(CoverFile file, bool last) const {
+    rpc::AwaitConnection(*environment_.channels.at("retrieval"), kReportPatience);
     if (!file.bytes.empty()) {
       MORTISE_ASSIGN_OR_RETURN(*file.made.mutable_sha256(), Upload(file.bytes));
     }

@@ -116,6 +116,8 @@ bool Renew(const WorkerOptions& options, Stub& stub, const v1::Task& task,
   if (renewed.ok()) return renewed->lost_size() == 0;
   Log(LogLevel::kWarning, "a lease was not renewed",
       {{"task", task.name()}, {"error", renewed.status().message()}});
+  // A service that begins again is to be found again while this thread waits for nothing else.
+  rpc::AwaitConnection(*options.simulator, options.lease / 3);
   return true;
 }
 
