@@ -78,6 +78,12 @@ absl::StatusOr<bool> IsBuilding(jobs::Operations& operations) {
   return is_building;
 }
 
+absl::Status SayNotCurrent(store::Transaction& transaction, v1::ShapeIndex index) {
+  if (!index.current()) return absl::OkStatus();
+  index.set_current(false);
+  return PutIndex(transaction, index, "");
+}
+
 }  // namespace
 
 IndexUpkeep::IndexUpkeep(rpc::ServiceEnvironment& environment,
@@ -159,10 +165,17 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
       environment_.store->Transact([&](store::Transaction& transaction) -> absl::Status {
         is_settled = true;
         MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> now, AllIndexes(transaction));
+        // One build for all that are kept up to the same: they share designs.
+        std::map<bool, v1::BuildIndexRequest> requests;  // by whether they are of every template
         for (const v1::ShapeIndex& index : now) {
           if (IsCurrent(index, present)) continue;
           is_settled = false;
-          MORTISE_RETURN_IF_ERROR(StartBuild(transaction, index));
+          requests[index.every_template()].add_shape_descriptors(index.shape_descriptor());
+          MORTISE_RETURN_IF_ERROR(SayNotCurrent(transaction, index));
+        }
+        for (auto& [of_every_template, request] : requests) {
+          request.set_refresh(!of_every_template);
+          MORTISE_RETURN_IF_ERROR(StartBuild(transaction, request));
         }
         return absl::OkStatus();
       }));
@@ -170,15 +183,8 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
   return is_settled;
 }
 
-// Says that the index is not current, and starts what makes it so.
-absl::Status IndexUpkeep::StartBuild(store::Transaction& transaction, v1::ShapeIndex index) {
-  if (index.current()) {
-    index.set_current(false);
-    MORTISE_RETURN_IF_ERROR(PutIndex(transaction, index, ""));
-  }
-  v1::BuildIndexRequest request;
-  request.add_shape_descriptors(index.shape_descriptor());
-  request.set_refresh(!index.every_template());
+absl::Status IndexUpkeep::StartBuild(store::Transaction& transaction,
+                                     const v1::BuildIndexRequest& request) {
   return environment_.operations
       ->Start(transaction, {.kind = jobs::kIndexOperation,
                             .request = request.SerializeAsString(),

@@ -21,9 +21,9 @@ namespace mortise::retrieval {
 
 // Follows the catalog's events about templates. When a template has come, changed or gone, each
 // index that is kept up to it (ShapeIndex.every_template) says that it is not current, and an
-// operation is started that brings it up to the templates. What was missed while the catalog or
-// this service was away is noticed when they meet again. Indexes that were never built are left
-// alone: building costs minutes of all cores.
+// operation is started that brings all of these up to the templates. What was missed while the
+// catalog or this service was away is noticed when they meet again. Indexes that were never built
+// are left alone: building costs minutes of all cores.
 class IndexUpkeep {
  public:
   // All outlive it.
@@ -35,7 +35,7 @@ class IndexUpkeep {
   void Follow(const std::stop_token& stop);
   void Check(const std::stop_token& stop);
   absl::StatusOr<bool> BringUp();
-  absl::Status StartBuild(store::Transaction& transaction, v1::ShapeIndex index);
+  absl::Status StartBuild(store::Transaction& transaction, const v1::BuildIndexRequest& request);
   void Notice();
   rpc::Origin Origin(absl::Duration timeout) const;
 
