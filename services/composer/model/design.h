@@ -1,0 +1,65 @@
+// A part of a working model as it is now (thesis §5.2): an assembly that was parametrised when its
+// structure last changed, and the parameters that it has now. The body of a model is one, and each
+// component that is not connected yet.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/assembly/model/assembly.h"
+#include "common/assembly/model/linear_design.h"
+#include "common/assembly/parametric_assembly.h"
+
+namespace mortise::composer {
+
+struct Design {
+  std::shared_ptr<const parametric::ParametricAssembly> assembly;
+  Eigen::VectorXd q;                                // feasible (FeasibleSet)
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which all of it is moved in space
+};
+
+// Parametrises a valid assembly, and returns it as it is drawn. Fails as
+// ParametricAssembly::Create.
+absl::StatusOr<Design> AsDrawn(parametric::Assembly assembly);
+
+// A design drawn anew.
+struct Redrawn {
+  parametric::Assembly assembly;
+  // Of each part of `assembly` the name of the part of the design's assembly that it is a copy of
+  // but for its box. Parts that a row has beyond those drawn are copies of its first.
+  std::vector<std::string> drawn_as;
+};
+
+// Returns the design drawn as it is now, its shift included: a valid assembly with the same groups
+// and joints, of which each part lies in the box that it has now. Prominent planes and the centres
+// of joints are where the parameters put them. Rows have as many parts as they have now, called as
+// PlacedPart says; a name that another part has already is numbered further. A shape that is
+// stretched in pieces is a shape of its own, not stored yet (its name is empty): triangles without
+// B-rep.
+Redrawn Redraw(const Design& design);
+
+// Returns the assembly of Redraw.
+parametric::Assembly DrawnAt(const Design& design);
+
+// Returns all parts as they are now, the shift included. O(parts).
+std::vector<parametric::PlacedPart> PartsOf(const Design& design);
+
+// Returns the box around all parts as they are now, m.
+parametric::BoundingBox BoundsOf(const Design& design);
+
+// Returns the box of one element as it is now, m.
+parametric::BoundingBox ElementBox(const Design& design, int element);
+
+// Returns parameters in which the design stands anywhere in space, and `shift` is nothing: q with
+// all places moved by the shift.
+Eigen::VectorXd InSpace(const Design& design);
+
+// Returns the design of parameters in space: what the assembly's anchors hold in place becomes the
+// shift. The reverse of InSpace.
+Design FromSpace(std::shared_ptr<const parametric::ParametricAssembly> assembly,
+                 const Eigen::VectorXd& in_space);
+
+}  // namespace mortise::composer

@@ -1,0 +1,64 @@
+// Snaps a component to the body of a working model: finds its place and sizes there from where it
+// was dropped (thesis §5.5).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/design/template_definition.h"
+#include "services/composer/model/design.h"
+
+namespace mortise::composer {
+
+// What the thesis leaves open, in one table.
+struct SnapOptions {
+  // K: how many planes of the body are tried for each constraint of the original design. Where K
+  // to the power of the constraints is more than `combinations`, it is lowered.
+  int planes = 4;
+  double combinations = 5000;
+  // m. A plane of the component that the original design says nothing of is aligned with the
+  // nearest parallel plane of the body, if that is no further away.
+  double threshold = 0.03;
+  // m. Body elements further from the component's element than this, across the plane, are no
+  // candidates for faces that lay against each other.
+  double reach = 0.1;
+};
+
+// Two planes that are one after snapping.
+struct Alignment {
+  std::string component_element;
+  std::string component_plane;  // "x minimum", or a prominent plane's name
+  std::string body_element;
+  std::string body_plane;
+  Axis axis = Axis::kX;        // their normal
+  double moved_by = 0;         // m, how far the component's plane was moved along the axis
+  bool from_original = false;  // else found as prominent planes near each other
+  std::string text;            // for people
+};
+
+struct Snapped {
+  Design component;
+  std::vector<Alignment> alignments;
+};
+
+// Returns the component snapped to the body. `original` is the design that the component is a
+// sub-tree of, as drawn, or null where there is none; the component's parts are known in it by
+// their names and lie where they are drawn there.
+//
+// - Coplanarities between the component and principal elements of the rest of the original that
+//   touch it, or share a connection with it, become constraints: faces that lay against each other
+//   first. Rows that others imply, or the component's relationships determine, are left out.
+// - Each may be met by one of the K planes of the body nearest to the component's plane, that have
+//   the same normal as the original's: minimum faces for minimum faces, so that a shelf stays
+//   between its sides. Of all combinations the one is taken whose design is nearest to the present
+//   one, (5.2), exactly; where none is feasible, the last constraint is given up.
+// - Planes that are free still are aligned with the nearest parallel plane within the threshold,
+//   nearest first, in all rest poses, unless that has parts run into each other.
+//
+// The component moves freely in space. FAILED_PRECONDITION, SNAP_FAR, if the body is further from
+// it than all of the two are large: nothing there to snap to.
+absl::StatusOr<Snapped> Snap(const Design& component, const Design* original, const Design& body,
+                             const SnapOptions& options = {});
+
+}  // namespace mortise::composer
