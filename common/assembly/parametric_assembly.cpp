@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/assembly/model/bores.h"
+#include "common/assembly/model/rest_pose.h"
 #include "common/assembly/relations/principal_patterns.h"
 #include "common/assembly/trial/design_trial.h"
 #include "common/assembly/trial/drawn_contacts.h"
@@ -219,7 +220,11 @@ absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(
     relationships_.insert(relationships_.end(), more.begin(), more.end());
   }
   std::vector<Relationship> anchored = relationships_;
-  for (Relationship& still : StandingInPlace(elements_)) anchored.push_back(std::move(still));
+  std::size_t axis = 0;
+  for (Relationship& still : StandingInPlace(elements_)) {
+    standing_[axis++] = still.form;
+    anchored.push_back(std::move(still));
+  }
   MORTISE_ASSIGN_OR_RETURN(
       feasible_set_, FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
                                          VariablesWithin(assembly_, elements_, 0)));
@@ -256,6 +261,20 @@ absl::StatusOr<int> ParametricAssembly::DegreesOfFreedom(int group) const {
       FeasibleSet::Create(RelationshipsWithin(assembly_, relationships_, group), drawn(),
                           VariablesWithin(assembly_, elements_, group)));
   return within.degrees_of_freedom();
+}
+
+Eigen::MatrixXd ParametricAssembly::Translations() const {
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(drawn().size(), 3);
+  const auto move = [&](int variable) {
+    directions.middleRows<3>(variable) = Eigen::Matrix3d::Identity();
+  };
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    move(CenterVariable(static_cast<int>(e), Axis::kX));
+  }
+  for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
+    move(JointVariable(elements_.size(), static_cast<int>(j), Axis::kX));
+  }
+  return directions;
 }
 
 absl::StatusOr<LinearForm> ParametricAssembly::FormOf(const Measure& measure,

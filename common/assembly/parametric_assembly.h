@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -87,6 +88,17 @@ class ParametricAssembly {
   const Contacts& contacts() const { return contacts_; }
   const std::vector<Relationship>& relationships() const { return relationships_; }
   const FeasibleSet& feasible_set() const { return *feasible_set_; }
+
+  // Returns the forms, by axis, that are 0 m where the design stands as drawn: the lowest element
+  // on its floor, the first in its place along x and y. The feasible set holds them.
+  const std::array<LinearForm, 3>& standing() const { return standing_; }
+
+  // Returns the directions in which all of the design moves along x, y and z: |q| × 3.
+  Eigen::MatrixXd Translations() const;
+
+  // Returns the feasible set of the design when nothing holds it in its place. O(degrees of
+  // freedom² · parameters).
+  FeasibleSet FreeInSpace() const { return feasible_set_->FreedAlong(Translations()); }
 
   // Returns what holds the principal elements together: see FindConnections.
   const std::vector<ElementConnection>& connections() const { return placement_->connections(); }
@@ -181,6 +193,7 @@ class ParametricAssembly {
   std::vector<Element> elements_;
   Contacts contacts_;
   std::vector<Relationship> relationships_;
+  std::array<LinearForm, 3> standing_;
   std::optional<FeasibleSet> feasible_set_;
   std::optional<FeasibleSet> in_proportion_;  // the same, sizes measured by themselves
   std::optional<ConnectionPlacement> placement_;

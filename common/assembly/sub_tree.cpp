@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <string_view>
 #include <tuple>
@@ -77,38 +76,19 @@ absl::StatusOr<Node> FindNode(const Assembly& assembly, const std::string& name)
                       absl::StrCat("there is no group or part '", name, "' in ", assembly.name));
 }
 
-// Of each part one that it belongs together with: the same one of connecting parts that touch each
-// other, directly or by others; principal parts by themselves.
-std::vector<int> TogetherWith(const Assembly& assembly, const TouchingParts& touching) {
-  std::vector<int> above(assembly.parts.size());
-  std::iota(above.begin(), above.end(), 0);
-  const auto top = [&](int part) {
-    while (above[static_cast<std::size_t>(part)] != part) {
-      part = above[static_cast<std::size_t>(part)];
-    }
-    return part;
-  };
-  const auto connects = [&](int part) {
-    return assembly.parts[static_cast<std::size_t>(part)].connecting;
-  };
-  for (const auto& [a, b] : touching) {
-    if (!connects(a) || !connects(b)) continue;
-    const auto [low, high] = std::minmax({top(a), top(b)});
-    above[static_cast<std::size_t>(high)] = low;
-  }
-  std::vector<int> together;
-  for (int part = 0; part < static_cast<int>(above.size()); ++part) together.push_back(top(part));
-  return together;
-}
+// Of each part whether it, or what it belongs together with, touches principal parts inside and
+// outside of the sub-tree.
+struct Reach {
+  std::vector<bool> in, out;
+};
 
-// Which parts the sub-tree has.
-std::vector<bool> PartsThatStay(const Assembly& assembly, const TouchingParts& touching,
-                                const std::vector<bool>& inside) {
-  const std::vector<int> together = TogetherWith(assembly, touching);
-  std::vector<bool> reaches_in(inside.size(), false), reaches_out(inside.size(), false);
+Reach ReachOf(const Assembly& assembly, const TouchingParts& touching,
+              const std::vector<bool>& inside) {
+  const std::vector<int> together = ConnectingTogether(assembly, touching);
+  Reach of_whole{std::vector<bool>(inside.size(), false), std::vector<bool>(inside.size(), false)};
   const auto note = [&](int connecting, int principal) {
     const auto of = static_cast<std::size_t>(together[static_cast<std::size_t>(connecting)]);
-    (inside[static_cast<std::size_t>(principal)] ? reaches_in : reaches_out)[of] = true;
+    (inside[static_cast<std::size_t>(principal)] ? of_whole.in : of_whole.out)[of] = true;
   };
   for (const auto& [a, b] : touching) {
     const bool a_connects = assembly.parts[static_cast<std::size_t>(a)].connecting;
@@ -116,13 +96,74 @@ std::vector<bool> PartsThatStay(const Assembly& assembly, const TouchingParts& t
     if (a_connects && !b_connects) note(a, b);
     if (b_connects && !a_connects) note(b, a);
   }
+  Reach reach;
+  for (const int of : together) {
+    reach.in.push_back(of_whole.in[static_cast<std::size_t>(of)]);
+    reach.out.push_back(of_whole.out[static_cast<std::size_t>(of)]);
+  }
+  return reach;
+}
+
+// Which parts the sub-tree has.
+std::vector<bool> PartsThatStay(const Assembly& assembly, const TouchingParts& touching,
+                                const std::vector<bool>& inside) {
+  const Reach reach = ReachOf(assembly, touching, inside);
   std::vector<bool> stays = inside;
   for (std::size_t i = 0; i < stays.size(); ++i) {
-    if (!assembly.parts[i].connecting) continue;
-    const auto of = static_cast<std::size_t>(together[i]);
-    stays[i] = !reaches_out[of] && (reaches_in[of] || inside[i]);
+    if (assembly.parts[i].connecting) stays[i] = !reach.out[i] && (reach.in[i] || inside[i]);
   }
   return stays;
+}
+
+// Which parts are left without the sub-tree.
+std::vector<bool> PartsLeft(const Assembly& assembly, const TouchingParts& touching,
+                            const std::vector<bool>& inside) {
+  const Reach reach = ReachOf(assembly, touching, inside);
+  std::vector<bool> left;
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    left.push_back(assembly.parts[i].connecting ? !reach.in[i] && (reach.out[i] || !inside[i])
+                                                : !inside[i]);
+  }
+  return left;
+}
+
+// The groups that parts are left in, and those above them. Gives of each group of the assembly its
+// index then; 0 for those that are gone.
+std::vector<int> KeepGroups(const Assembly& assembly, const std::vector<bool>& left,
+                            Assembly& made) {
+  std::vector<bool> holds(assembly.groups.size(), false);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (!left[i]) continue;
+    for (int group = assembly.parts[i].group; group > 0;
+         group = assembly.groups[static_cast<std::size_t>(group)].parent) {
+      holds[static_cast<std::size_t>(group)] = true;
+    }
+  }
+  std::vector<int> index_of(assembly.groups.size(), 0);
+  made.groups = {assembly.groups.front()};
+  for (std::size_t group = 1; group < holds.size(); ++group) {
+    if (!holds[group]) continue;
+    index_of[group] = static_cast<int>(made.groups.size());
+    made.groups.push_back(assembly.groups[group]);
+  }
+  for (std::size_t i = 1; i < made.groups.size(); ++i) {
+    int& parent = made.groups[i].parent;
+    parent = index_of[static_cast<std::size_t>(parent)];
+  }
+  return index_of;
+}
+
+// Puts the parts that stay into their groups. Whether a principal part is among them.
+bool AddParts(const Assembly& assembly, const std::vector<bool>& stays,
+              const std::vector<int>& index_of, Assembly& made) {
+  bool has_principal = false;
+  for (std::size_t i = 0; i < stays.size(); ++i) {
+    if (!stays[i]) continue;
+    AssemblyPart& part = made.parts.emplace_back(assembly.parts[i]);
+    part.group = index_of[static_cast<std::size_t>(part.group)];
+    has_principal |= !part.connecting;
+  }
+  return has_principal;
 }
 
 // The groups of the sub-tree, the node first. Gives of each group of the assembly the index of
@@ -153,6 +194,10 @@ void AddJoints(const Assembly& assembly, const std::vector<int>& index_of, Assem
         [&](const AssemblyPart& part) { return IsWithin(made, part.group, joint.group); });
     if (moves) made.joints.push_back(std::move(joint));
   }
+}
+
+absl::Status NoPrincipalParts(const std::string& node) {
+  return InvalidField("group", absl::StrCat("'", node, "' has no principal parts"));
 }
 
 // What a part looks like, and where it lies from `corner` in multiples of `tolerance`.
@@ -206,15 +251,31 @@ absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& 
   Assembly made;
   made.name = assembly.name;
   const std::vector<int> index_of = AddGroups(assembly, found.group, made);
-  bool has_principal = false;
-  for (std::size_t i = 0; i < stays.size(); ++i) {
-    if (!stays[i]) continue;
-    AssemblyPart& part = made.parts.emplace_back(assembly.parts[i]);
-    part.group = index_of[static_cast<std::size_t>(part.group)];
-    has_principal |= !part.connecting;
+  if (!AddParts(assembly, stays, index_of, made)) return NoPrincipalParts(node);
+  AddJoints(assembly, index_of, made);
+  return made;
+}
+
+absl::StatusOr<Assembly> WithoutSubTree(const Assembly& assembly, const std::string& node) {
+  Node found;
+  found.inside.assign(assembly.parts.size(), true);
+  if (!node.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(found, FindNode(assembly, node));
   }
-  if (!has_principal) {
-    return InvalidField("group", absl::StrCat("'", node, "' has no principal parts"));
+  bool has_principal = false;
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    has_principal |= found.inside[i] && !assembly.parts[i].connecting;
+  }
+  if (!has_principal) return NoPrincipalParts(node);
+  MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching,
+                           FindTouchingParts(assembly, ToleranceOf(assembly)));
+  const std::vector<bool> left = PartsLeft(assembly, touching, found.inside);
+  Assembly made;
+  made.name = assembly.name;
+  const std::vector<int> index_of = KeepGroups(assembly, left, made);
+  if (!AddParts(assembly, left, index_of, made)) {
+    return PreconditionFailed("NOTHING_LEFT",
+                              absl::StrCat("without '", node, "' no principal part is left"));
   }
   AddJoints(assembly, index_of, made);
   return made;

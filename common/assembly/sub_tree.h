@@ -24,6 +24,16 @@ namespace mortise::parametric {
 // as FindTouchingParts does.
 absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node);
 
+// Returns what is left of a valid assembly when the sub-tree below `node` is taken out, which names
+// as in SubTreeOf. Connecting parts that belong together go as soon as one of the principal parts
+// that they touch goes, wherever they are drawn; those that touch none go with their group. Groups
+// and joints stay as far as there are parts left in them.
+//
+// INVALID_ARGUMENT, "group", where nothing is called so, or it has no principal parts;
+// FAILED_PRECONDITION, NOTHING_LEFT, if no principal part is left. Fails also as FindTouchingParts
+// does.
+absl::StatusOr<Assembly> WithoutSubTree(const Assembly& assembly, const std::string& node);
+
 // Returns the names of the groups of a valid assembly whose sub-trees are things by themselves, in
 // the order of the groups: those with at least two parts, and fewer than the whole. Of several that
 // look the same, as the drawers of a cabinet do, the first stands for all: their parts have the

@@ -13,7 +13,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "common/assembly/model/rest_pose.h"
 #include "common/assembly/polyhedra/hit_and_run.h"
 #include "common/assembly/polyhedra/linear_programme.h"
 #include "common/assembly/polyhedra/polyhedron.h"
@@ -122,12 +121,33 @@ absl::StatusOr<FeasibleSet> FeasibleSet::Rescaled(const Eigen::VectorXd& scales)
   }
   FeasibleSet set = *this;
   set.weights_ = scales.array().square().inverse();
-  if (basis_.cols() == 0) return set;
-  const Eigen::LLT<Eigen::MatrixXd> metric(basis_.transpose() * set.weights_.asDiagonal() * basis_);
-  set.basis_ = metric.matrixL().solve(basis_.transpose()).transpose();
-  set.inequalities_.clear();
-  set.ReduceInequalities();
+  set.Reframe();
   return set;
+}
+
+FeasibleSet FeasibleSet::FreedAlong(const Eigen::MatrixXd& directions) const {
+  const auto forbids = [&](const Relationship& relationship) {
+    Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(directions.cols());
+    for (const LinearTerm& term : relationship.form.terms) {
+      change += term.coefficient * directions.row(term.variable);
+    }
+    return change.cwiseAbs().maxCoeff() > kParallel;
+  };
+  FeasibleSet set = *this;
+  std::erase_if(set.all_, forbids);
+  std::erase_if(set.equalities_, forbids);
+  set.basis_.conservativeResize(Eigen::NoChange, basis_.cols() + directions.cols());
+  set.basis_.rightCols(directions.cols()) = directions;
+  set.Reframe();
+  return set;
+}
+
+void FeasibleSet::Reframe() {
+  if (basis_.cols() == 0) return;
+  const Eigen::LLT<Eigen::MatrixXd> metric(basis_.transpose() * weights_.asDiagonal() * basis_);
+  basis_ = metric.matrixL().solve(basis_.transpose()).transpose();
+  inequalities_.clear();
+  ReduceInequalities();
 }
 
 void FeasibleSet::SolveEqualities(const std::vector<int>& variables) {
@@ -454,33 +474,6 @@ std::vector<Relationship> Anchor(const std::vector<Element>& elements, int eleme
     anchor.push_back(std::move(relationship));
   }
   return anchor;
-}
-
-std::vector<Relationship> RelationshipsWithin(const Assembly& assembly,
-                                              const std::vector<Relationship>& relationships,
-                                              int group) {
-  std::vector<Relationship> within;
-  for (const Relationship& relationship : relationships) {
-    if (IsWithin(assembly, relationship.group, group)) within.push_back(relationship);
-  }
-  return within;
-}
-
-std::vector<int> VariablesWithin(const Assembly& assembly, const std::vector<Element>& elements,
-                                 int group) {
-  std::vector<int> variables;
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    if (!IsWithin(assembly, elements[e].group, group)) continue;
-    for (int i = 0; i < 6; ++i) variables.push_back(6 * static_cast<int>(e) + i);
-  }
-  for (std::size_t j = 0; j < assembly.joints.size(); ++j) {
-    const int home = assembly.groups[static_cast<std::size_t>(assembly.joints[j].group)].parent;
-    if (!IsWithin(assembly, home, group)) continue;
-    for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
-      variables.push_back(JointVariable(elements.size(), static_cast<int>(j), axis));
-    }
-  }
-  return variables;
 }
 
 }  // namespace mortise::parametric

@@ -56,6 +56,12 @@ class FeasibleSet {
   // which there is one a parameter. INVALID_ARGUMENT, "scales". O(n² |q|) for n degrees of freedom.
   absl::StatusOr<FeasibleSet> Rescaled(const Eigen::VectorXd& scales) const;
 
+  // Returns the set whose members may also be changed along each of these directions (columns, |q|
+  // × k), without the relationships that would forbid it: free in space, if the directions move
+  // everything. What holds the set along them must be equalities that speak of nothing else, as
+  // Anchor has them. O(n² |q|).
+  FeasibleSet FreedAlong(const Eigen::MatrixXd& directions) const;
+
   // Returns how many numbers z has: what a designer may really choose.
   int degrees_of_freedom() const { return static_cast<int>(basis_.cols()); }
 
@@ -122,6 +128,8 @@ class FeasibleSet {
 
   void SolveEqualities(const std::vector<int>& variables);
   void ReduceInequalities();
+  // Makes the columns of the basis orthonormal by the weights, and the inequalities anew.
+  void Reframe();
   absl::StatusOr<Eigen::VectorXd> RowOf(const Demand& demand, std::size_t index) const;
   absl::StatusOr<Held> Hold(const std::vector<Demand>& demands) const;
   std::vector<std::string> EqualitiesBehind(const std::vector<const LinearForm*>& forms) const;

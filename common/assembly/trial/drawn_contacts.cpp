@@ -1,6 +1,7 @@
 #include "common/assembly/trial/drawn_contacts.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "common/assembly/model/linear_design.h"
 #include "common/base/errors.h"
@@ -29,6 +30,28 @@ absl::StatusOr<TouchingParts> FindTouchingParts(const Assembly& assembly, double
     touching.insert(std::minmax(proximity.first, proximity.second));
   }
   return touching;
+}
+
+std::vector<int> ConnectingTogether(const Assembly& assembly, const TouchingParts& touching) {
+  std::vector<int> above(assembly.parts.size());
+  std::iota(above.begin(), above.end(), 0);
+  const auto top = [&](int part) {
+    while (above[static_cast<std::size_t>(part)] != part) {
+      part = above[static_cast<std::size_t>(part)];
+    }
+    return part;
+  };
+  const auto connects = [&](int part) {
+    return assembly.parts[static_cast<std::size_t>(part)].connecting;
+  };
+  for (const auto& [a, b] : touching) {
+    if (!connects(a) || !connects(b)) continue;
+    const auto [low, high] = std::minmax({top(a), top(b)});
+    above[static_cast<std::size_t>(high)] = low;
+  }
+  std::vector<int> together;
+  for (int part = 0; part < static_cast<int>(above.size()); ++part) together.push_back(top(part));
+  return together;
 }
 
 Contacts ContactsOf(const TouchingParts& touching, const Assembly& assembly,

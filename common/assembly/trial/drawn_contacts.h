@@ -20,6 +20,10 @@ using TouchingParts = std::set<std::pair<int, int>>;
 // Fails as FindProximities does.
 absl::StatusOr<TouchingParts> FindTouchingParts(const Assembly& assembly, double tolerance);
 
+// Returns of each part one that it belongs together with: the same one of connecting parts that
+// touch each other, directly or by others; principal parts by themselves.
+std::vector<int> ConnectingTogether(const Assembly& assembly, const TouchingParts& touching);
+
 // Returns the pairs of elements of which some part touches a part of the other.
 Contacts ContactsOf(const TouchingParts& touching, const Assembly& assembly,
                     const std::vector<Element>& elements);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -139,6 +140,53 @@ TEST(SubTreeTest, ASubTreeIsParametrisedAsAnyAssembly) {
   ASSERT_OK_AND_ASSIGN(const std::vector<ContactFault> faults, made.FaultsAt(wider.q));
   EXPECT_THAT(faults, IsEmpty());
   EXPECT_FALSE(made.RangeOf({"lid board", Axis::kX, MeasureKind::kSize}).ok());
+}
+
+TEST(WithoutSubTreeTest, WhatHeldItGoesToo) {
+  ASSERT_OK_AND_ASSIGN(const Assembly open, WithoutSubTree(HeldChest(), "lid"));
+  EXPECT_THAT(PartsOf(open),
+              ElementsAre("left side", "right side", "bottom", "shelf 1", "shelf 2", "shelf 3",
+                          "dowel 1", "dowel 2", "dowel 3", "bolt", "washer"));
+  EXPECT_THAT(open.joints, IsEmpty());
+  for (const AssemblyGroup& group : open.groups) EXPECT_NE(group.name, "lid");
+  EXPECT_THAT(ValidateAssembly(open), IsEmpty());
+}
+
+TEST(WithoutSubTreeTest, ThePartOfARowTakesItsOwnFasteners) {
+  ASSERT_OK_AND_ASSIGN(const Assembly made, WithoutSubTree(HeldChest(), "shelf 2"));
+  EXPECT_THAT(PartsOf(made),
+              ElementsAre("left side", "right side", "bottom", "shelf 1", "shelf 3", "lid board",
+                          "dowel 1", "dowel 3", "bolt", "washer", "hinge", "label"));
+  EXPECT_EQ(made.joints.size(), 1U);
+  EXPECT_EQ(made.groups.size(), HeldChest().groups.size());
+  EXPECT_THAT(ValidateAssembly(made), IsEmpty());
+}
+
+// The sub-tree and what is left without it share no part, and what is in neither held them
+// together.
+TEST(WithoutSubTreeTest, ItIsTheOtherSideOfTheSubTree) {
+  for (const char* node : {"case", "shelves", "lid", "shelf 1", "bottom"}) {
+    ASSERT_OK_AND_ASSIGN(const Assembly inside, SubTreeOf(HeldChest(), node));
+    ASSERT_OK_AND_ASSIGN(const Assembly outside, WithoutSubTree(HeldChest(), node));
+    std::multiset<std::string> both;
+    for (const Assembly* half : {&inside, &outside}) {
+      for (const std::string& name : PartsOf(*half)) both.insert(name);
+    }
+    for (const AssemblyPart& part : HeldChest().parts) {
+      EXPECT_LE(both.count(part.name), 1U) << part.name;
+      if (!part.connecting) {
+        EXPECT_EQ(both.count(part.name), 1U) << part.name;
+      }
+    }
+  }
+}
+
+TEST(WithoutSubTreeTest, WhatCannotGoIsRefused) {
+  EXPECT_EQ(DetailOf(WithoutSubTree(HeldChest(), "drawer").status()).field, "group");
+  const absl::Status fastener = WithoutSubTree(HeldChest(), "bolt").status();
+  EXPECT_EQ(DetailOf(fastener).field, "group");
+  EXPECT_THAT(std::string(fastener.message()), HasSubstr("no principal parts"));
+  EXPECT_EQ(DetailOf(WithoutSubTree(HeldChest(), "").status()).reason, "NOTHING_LEFT");
 }
 
 // Two drawers that look the same, a third one that is wider, and a group of one part.
