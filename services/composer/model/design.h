@@ -15,6 +15,8 @@
 
 namespace mortise::composer {
 
+using parametric::Axis;
+
 struct Design {
   std::shared_ptr<const parametric::ParametricAssembly> assembly;
   Eigen::VectorXd q;                                // feasible (FeasibleSet)
@@ -37,12 +39,12 @@ struct Redrawn {
 // and joints, of which each part lies in the box that it has now. Prominent planes and the centres
 // of joints are where the parameters put them. Rows have as many parts as they have now, called as
 // PlacedPart says; a name that another part has already is numbered further. A shape that is
-// stretched in pieces is a shape of its own, not stored yet (its name is empty): triangles without
-// B-rep.
-Redrawn Redraw(const Design& design);
+// stretched in pieces is a shape of its own, not stored yet: its name is empty. Fails as
+// cad::SolidOfShape where the kernel cannot stretch one.
+absl::StatusOr<Redrawn> Redraw(const Design& design);
 
 // Returns the assembly of Redraw.
-parametric::Assembly DrawnAt(const Design& design);
+absl::StatusOr<parametric::Assembly> DrawnAt(const Design& design);
 
 // Returns all parts as they are now, the shift included. O(parts).
 std::vector<parametric::PlacedPart> PartsOf(const Design& design);

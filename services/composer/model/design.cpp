@@ -1,0 +1,171 @@
+#include "services/composer/model/design.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "common/assembly/model/element.h"
+#include "common/assembly/model/rest_pose.h"
+#include "common/base/errors.h"
+#include "common/cad/stretch/solid_shape.h"
+#include "services/composer/model/names.h"
+
+namespace mortise::composer {
+namespace {
+
+using parametric::AssemblyPart;
+using parametric::BoundingBox;
+using parametric::Element;
+using parametric::ParametricAssembly;
+using parametric::PlacedPart;
+
+constexpr double kSamePlace = 1e-9;  // m
+
+// Whether a shape so stretched looks the same as stretched in proportion.
+bool IsInProportion(const mesh::BoxStretch& stretch) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const mesh::LevelPlace& level : stretch.levels[static_cast<std::size_t>(axis)]) {
+      if (std::abs(level.place - level.fraction * stretch.size[axis]) > kSamePlace) return false;
+    }
+  }
+  return true;
+}
+
+// The shape as it is stretched, as if it had been drawn so.
+absl::StatusOr<std::shared_ptr<const mesh::DrawnShape>> ShapeStretched(
+    const std::shared_ptr<const mesh::DrawnShape>& shape, const mesh::BoxStretch& stretch,
+    const std::string& name) {
+  if (shape == nullptr || IsInProportion(stretch)) return shape;
+  if (!shape->brep.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid, cad::SolidOfShape(*shape, stretch, name));
+    MORTISE_ASSIGN_OR_RETURN(mesh::DrawnShape made,
+                             cad::ShapeOfSolid(solid, Eigen::Matrix3d::Identity(),
+                                               Eigen::Vector3d::Zero(), stretch.size));
+    return std::make_shared<const mesh::DrawnShape>(std::move(made));
+  }
+  mesh::DrawnShape made = *shape;
+  made.name.clear();
+  made.size = stretch.size;
+  made.volume = mesh::VolumeIn(*shape, stretch);
+  made.deflection = mesh::DeflectionIn(*shape, stretch);
+  const mesh::SurfaceMesh surface = mesh::SurfaceIn(*shape, stretch);
+  made.fractions = stretch.size.cwiseInverse().asDiagonal() * surface.vertices;
+  mesh::DeriveFaces(made);
+  return std::make_shared<const mesh::DrawnShape>(std::move(made));
+}
+
+// Prominent planes go where the part's stretch takes them; beyond the box they keep their distance
+// from its middle in proportion.
+void MovePlanes(const AssemblyPart& drawn, const PlacedPart& placed, AssemblyPart& made) {
+  for (parametric::ProminentPlane& plane : made.prominent_planes) {
+    const int axis = static_cast<int>(plane.axis);
+    const double fraction = (plane.position - drawn.box.center()[axis]) / drawn.box.size()[axis];
+    const double place = std::abs(fraction) <= 0.5 ? placed.stretch.PlaceOf(axis, fraction)
+                                                   : fraction * placed.box.size()[axis];
+    plane.position = placed.box.center()[axis] + place;
+  }
+}
+
+// Sizes keep their limits to within rounding.
+void KeepLimits(AssemblyPart& part) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const parametric::SizeLimits& limits = part.limits[static_cast<std::size_t>(axis)];
+    const double size = part.box.size()[axis];
+    const double kept = std::clamp(size, limits.minimum, limits.maximum);
+    if (kept == size || std::abs(kept - size) > 1e-7) continue;
+    const double center = part.box.center()[axis];
+    part.box.minimum[axis] = center - kept / 2;
+    part.box.maximum[axis] = center + kept / 2;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Design> AsDrawn(parametric::Assembly assembly) {
+  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly made,
+                           ParametricAssembly::Create(std::move(assembly)));
+  auto shared = std::make_shared<const ParametricAssembly>(std::move(made));
+  Eigen::VectorXd drawn = shared->drawn();
+  return Design{std::move(shared), std::move(drawn)};
+}
+
+std::vector<PlacedPart> PartsOf(const Design& design) {
+  std::vector<PlacedPart> parts = design.assembly->PartsAt(design.q);
+  for (PlacedPart& part : parts) {
+    part.box.minimum += design.shift;
+    part.box.maximum += design.shift;
+  }
+  return parts;
+}
+
+BoundingBox BoundsOf(const Design& design) {
+  const std::vector<PlacedPart> parts = PartsOf(design);
+  BoundingBox bounds = parts.front().box;
+  for (const PlacedPart& part : parts) {
+    bounds.minimum = bounds.minimum.cwiseMin(part.box.minimum);
+    bounds.maximum = bounds.maximum.cwiseMax(part.box.maximum);
+  }
+  return bounds;
+}
+
+BoundingBox ElementBox(const Design& design, int element) {
+  BoundingBox box = parametric::BoxOf(design.q, element);
+  box.minimum += design.shift;
+  box.maximum += design.shift;
+  return box;
+}
+
+absl::StatusOr<Redrawn> Redraw(const Design& design) {
+  const parametric::Assembly& drawn = design.assembly->assembly();
+  const std::vector<Element>& elements = design.assembly->elements();
+  Redrawn made;
+  made.assembly.name = drawn.name;
+  made.assembly.groups = drawn.groups;
+  std::set<std::string> taken;
+  std::vector<int> seen(elements.size(), 0);
+  for (const PlacedPart& placed : PartsOf(design)) {
+    const Element& element = elements[static_cast<std::size_t>(placed.element)];
+    const auto index = static_cast<std::size_t>(seen[static_cast<std::size_t>(placed.element)]++);
+    const AssemblyPart& original = drawn.parts[static_cast<std::size_t>(
+        index < element.parts.size() ? element.parts[index] : element.parts.front())];
+    AssemblyPart& part = made.assembly.parts.emplace_back(original);
+    part.name = TakeName(placed.name, taken);
+    part.box = placed.box;
+    MovePlanes(original, placed, part);
+    KeepLimits(part);
+    MORTISE_ASSIGN_OR_RETURN(part.shape,
+                             ShapeStretched(element.shape == nullptr ? nullptr : original.shape,
+                                            placed.stretch, part.name));
+    made.drawn_as.push_back(original.name);
+  }
+  made.assembly.joints = drawn.joints;
+  for (std::size_t j = 0; j < drawn.joints.size(); ++j) {
+    made.assembly.joints[j].center = design.q.segment<3>(parametric::JointVariable(
+                                         elements.size(), static_cast<int>(j), Axis::kX)) +
+                                     design.shift;
+  }
+  return made;
+}
+
+absl::StatusOr<parametric::Assembly> DrawnAt(const Design& design) {
+  MORTISE_ASSIGN_OR_RETURN(Redrawn redrawn, Redraw(design));
+  return std::move(redrawn.assembly);
+}
+
+Eigen::VectorXd InSpace(const Design& design) {
+  return design.q + design.assembly->Translations() * design.shift;
+}
+
+Design FromSpace(std::shared_ptr<const ParametricAssembly> assembly,
+                 const Eigen::VectorXd& in_space) {
+  Design design;
+  for (int axis = 0; axis < 3; ++axis) {
+    design.shift[axis] = assembly->standing()[static_cast<std::size_t>(axis)].At(in_space);
+  }
+  design.q = in_space - assembly->Translations() * design.shift;
+  design.assembly = std::move(assembly);
+  return design;
+}
+
+}  // namespace mortise::composer

@@ -1,0 +1,53 @@
+// Nodes of models as they are now, taken out.
+#include "services/composer/model/removal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "common/base/errors.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/common/assembly/codec/shipped_assemblies.h"
+
+namespace mortise::composer {
+namespace {
+
+Design Cabinet() { return AsDrawn(parametric::ReadShippedAssembly("cabinet").value()).value(); }
+
+TEST(RemovalTest, ADrawerGoesWithItsSlides) {
+  ASSERT_OK_AND_ASSIGN(const parametric::Assembly left, WithoutNode(Cabinet(), "left drawer"));
+  const auto is_of_drawer = [](const parametric::AssemblyPart& part) {
+    return part.name.starts_with("left drawer");
+  };
+  const parametric::Assembly whole = Cabinet().assembly->assembly();
+  EXPECT_EQ(std::count_if(left.parts.begin(), left.parts.end(), is_of_drawer), 0);
+  EXPECT_EQ(left.parts.size() + std::count_if(whole.parts.begin(), whole.parts.end(), is_of_drawer),
+            whole.parts.size());
+  EXPECT_EQ(left.joints.size(), 3U);
+  ASSERT_OK_AND_ASSIGN(const Design model, AsDrawn(left));
+  EXPECT_FALSE(model.assembly->AdjustableSizes()->empty());
+}
+
+TEST(RemovalTest, ItIsTakenOutOfTheDesignAsItIsNow) {
+  Design design = Cabinet();
+  ASSERT_OK_AND_ASSIGN(const parametric::Adjustment wider,
+                       design.assembly->Adjust(design.q, {{{"top", Axis::kX}, 1.2}},
+                                               parametric::DemandPolicy::kStrict));
+  design.q = wider.q;
+  ASSERT_OK_AND_ASSIGN(const parametric::Assembly left, WithoutNode(design, "right door"));
+  for (const parametric::AssemblyPart& part : left.parts) {
+    if (part.name == "top") {
+      EXPECT_NEAR(part.box.size().x(), 1.2, 1e-9);
+    }
+  }
+}
+
+TEST(RemovalTest, ANodeThereIsNotIsRefused) {
+  const absl::Status refused = WithoutNode(Cabinet(), "cellar").status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(DetailOf(refused).field, "node");
+}
+
+}  // namespace
+}  // namespace mortise::composer
