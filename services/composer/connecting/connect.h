@@ -23,6 +23,11 @@ struct ConnectOptions {
   // Our measure is the largest change rather than the root of the sum, so that a drawer of 30 parts
   // is judged as a board is.
   double most_moved = 0.04;
+  // The same of a size, in proportion to itself: so a thin board does not become a beam.
+  double most_resized = 0.1;
+  // How deep a connecting part must reach into what it holds, of how deep it does where it comes
+  // from: a screw that only just reaches its board holds nothing.
+  double hold = 0.5;
   // K: how many connections of the collection are tried for a pair.
   int candidates = 5;
   // How much more the size of a part counts along an axis on which its item fixes it, in comparing
@@ -82,8 +87,8 @@ struct Connected {
 // - Linked are principal parts whose boxes are near each other (ConnectOptions).
 // - The original's connections between the component and the rest come first. Its rest is fitted to
 //   the component as it is now; principals outside are matched to the linked parts of the body
-//   whose boxes are nearest, of the same material. Then for each linked pair without a connection
-//   the K nearest of `others`, by descriptor.
+//   whose boxes are nearest, of the same material (any, where they only touch). Then for each
+//   linked pair without a connection the K nearest of `others`, by descriptor.
 // - A connection is used as it is (ConnectionOptimizer), or where the principals do not fit it,
 //   after the smallest change of both designs within their feasible sets, (5.3), up to
 //   `most_moved`.

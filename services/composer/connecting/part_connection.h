@@ -2,6 +2,7 @@
 // §5.6.1): the screws of one shelf of a row, where the design's own connection is of the whole row.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,11 @@ struct CollectionConnection {
 // 50 ms.
 absl::StatusOr<std::vector<CollectionConnection>> ConnectionsOf(
     const std::string& source, const parametric::Assembly& assembly);
+
+// Returns what is left of a connection when it is to hold these of its principals only: the
+// connections among them of the connecting parts that reach into none of the others, as screws do;
+// what only lies against one stays. Fails as ConnectionsOf.
+absl::StatusOr<std::vector<CollectionConnection>> ConnectionsAmong(
+    const CollectionConnection& connection, const std::set<std::string>& principals);
 
 }  // namespace mortise::composer

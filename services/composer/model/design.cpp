@@ -20,7 +20,9 @@ using parametric::Element;
 using parametric::ParametricAssembly;
 using parametric::PlacedPart;
 
-constexpr double kSamePlace = 1e-9;  // m
+constexpr double kSamePlace = 1e-9;      // m
+constexpr double kHardlyChanged = 1e-4;  // of a size
+constexpr double kLittle = 0.05;         // of the largest change of a size in proportion
 
 // Whether a shape so stretched looks the same as stretched in proportion.
 bool IsInProportion(const mesh::BoxStretch& stretch) {
@@ -151,6 +153,42 @@ absl::StatusOr<Redrawn> Redraw(const Design& design) {
 absl::StatusOr<parametric::Assembly> DrawnAt(const Design& design) {
   MORTISE_ASSIGN_OR_RETURN(Redrawn redrawn, Redraw(design));
   return std::move(redrawn.assembly);
+}
+
+absl::StatusOr<Design> Settled(Design design) {
+  MORTISE_ASSIGN_OR_RETURN(
+      parametric::Adjustment placed,
+      design.assembly->Adjust(design.q, {}, parametric::DemandPolicy::kNearest));
+  design.q = std::move(placed.q);
+  return design;
+}
+
+Eigen::VectorXd ChangeScales(const ParametricAssembly& assembly, double of_places) {
+  Eigen::VectorXd scales = Eigen::VectorXd::Constant(assembly.drawn().size(), of_places);
+  for (std::size_t e = 0; e < assembly.elements().size(); ++e) {
+    const int size = parametric::SizeVariable(static_cast<int>(e), Axis::kX);
+    scales.segment<3>(size) = assembly.drawn().segment<3>(size);
+  }
+  return scales;
+}
+
+std::vector<int> SizesToKeep(const ParametricAssembly& assembly, const Eigen::VectorXd& before,
+                             const Eigen::VectorXd& after) {
+  std::vector<std::pair<int, double>> changes;  // in proportion
+  double largest = 0;
+  for (std::size_t e = 0; e < assembly.elements().size(); ++e) {
+    if (assembly.elements()[e].connecting) continue;
+    for (const Axis axis : parametric::kAxes) {
+      const int size = parametric::SizeVariable(static_cast<int>(e), axis);
+      changes.emplace_back(size, std::abs(after[size] - before[size]) / before[size]);
+      largest = std::max(largest, changes.back().second);
+    }
+  }
+  std::vector<int> kept;
+  for (const auto& [size, change] : changes) {
+    if (change > 0 && change <= std::max(kHardlyChanged, kLittle * largest)) kept.push_back(size);
+  }
+  return kept;
 }
 
 Eigen::VectorXd InSpace(const Design& design) {

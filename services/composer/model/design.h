@@ -55,6 +55,20 @@ parametric::BoundingBox BoundsOf(const Design& design);
 // Returns the box of one element as it is now, m.
 parametric::BoundingBox ElementBox(const Design& design, int element);
 
+// Returns the design with its connecting parts where their connections want them for its principal
+// parts as they are (ConnectionPlacement).
+absl::StatusOr<Design> Settled(Design design);
+
+// Returns by what changes of each parameter are measured, for "nearest": sizes by themselves as
+// they are drawn, places by `of_places`, m. So a top that is moved keeps its thickness, where plain
+// squares would have a third of the way be thickness.
+Eigen::VectorXd ChangeScales(const parametric::ParametricAssembly& assembly, double of_places);
+
+// Returns the variables of sizes of principal elements that a change has hardly changed: by no more
+// than a twentieth of the largest change in proportion. They had better stay as they were.
+std::vector<int> SizesToKeep(const parametric::ParametricAssembly& assembly,
+                             const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+
 // Returns parameters in which the design stands anywhere in space, and `shift` is nothing: q with
 // all places moved by the shift.
 Eigen::VectorXd InSpace(const Design& design);

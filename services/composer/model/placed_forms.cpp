@@ -18,6 +18,7 @@ using parametric::SizeVariable;
 // m. Layouts are linear between changes of their counts, so that a difference is exact whatever its
 // step, but for rounding.
 constexpr double kStep = 1e-5;
+constexpr double kAsThin = 1.5;  // times the thinnest side
 
 // How the size of the element's box along an axis changes a part of its row: the place of its
 // middle, from that of the row, and its size.
@@ -79,6 +80,14 @@ std::vector<PrincipalPart> PrincipalPartsOf(const Design& design) {
     }
   }
   return parts;
+}
+
+double DistanceBetween(const BoundingBox& a, const BoundingBox& b) {
+  return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0).norm();
+}
+
+bool IsBroadAcross(const BoundingBox& box, Axis axis) {
+  return box.size()[static_cast<int>(axis)] <= kAsThin * box.size().minCoeff();
 }
 
 LinearForm FaceOf(const PrincipalPart& part, Axis axis, bool upper) {

@@ -23,6 +23,14 @@ struct PrincipalPart {
   std::array<bool, 3> is_fixed = {false, false, false};  // its item leaves the size no choice
 };
 
+// Returns how far two boxes are apart, m: the distance between their nearest corners, edges or
+// faces; 0 if they meet.
+double DistanceBetween(const parametric::BoundingBox& a, const parametric::BoundingBox& b);
+
+// Whether the faces across an axis are the broad ones of a part with this box, as a board's two:
+// along no other axis is it much thinner. A square post has four.
+bool IsBroadAcross(const parametric::BoundingBox& box, Axis axis);
+
 // Returns all principal parts of a design. O(parts).
 std::vector<PrincipalPart> PrincipalPartsOf(const Design& design);
 

@@ -20,9 +20,13 @@ struct SnapOptions {
   // m. A plane of the component that the original design says nothing of is aligned with the
   // nearest parallel plane of the body, if that is no further away.
   double threshold = 0.03;
-  // m. Body elements further from the component's element than this, across the plane, are no
-  // candidates for faces that lay against each other.
+  // m. Parts are neighbours if their boxes are no further apart: in the original, to be looked at
+  // at all; in the body, across the plane, to be preferred for faces that lay against each other.
   double reach = 0.1;
+  // m. Constraints of the original are met by planes that are no further away, or half as far as
+  // the component's part is large along the axis: what is dropped far from everything is left
+  // there.
+  double furthest = 0.1;
 };
 
 // Two planes that are one after snapping.
@@ -46,13 +50,15 @@ struct Snapped {
 // sub-tree of, as drawn, or null where there is none; the component's parts are known in it by
 // their names and lie where they are drawn there.
 //
-// - Coplanarities between the component and principal elements of the rest of the original that
-//   touch it, or share a connection with it, become constraints: faces that lay against each other
-//   first. Rows that others imply, or the component's relationships determine, are left out.
+// - Coplanarities between the component and principal parts of the rest of the original that touch
+//   it, or share a connection with it, become constraints: faces that lay against each other first
+//   (original_constraints.h). Rows that others imply, or the component's relationships determine,
+//   are left out.
 // - Each may be met by one of the K planes of the body nearest to the component's plane, that have
 //   the same normal as the original's: minimum faces for minimum faces, so that a shelf stays
-//   between its sides. Of all combinations the one is taken whose design is nearest to the present
-//   one, (5.2), exactly; where none is feasible, the last constraint is given up.
+//   between its sides; broad faces for broad ones, if there are any. Of all combinations the one is
+//   taken whose design is nearest to the present one, (5.2), exactly; where none is feasible, the
+//   last constraint is given up. Nearness is that of MovableSet.
 // - Planes that are free still are aligned with the nearest parallel plane within the threshold,
 //   nearest first, in all rest poses, unless that has parts run into each other.
 //

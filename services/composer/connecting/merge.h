@@ -1,0 +1,41 @@
+// Makes one assembly of the body of a model, a component, and what connects them (thesis §5.6.2).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/composer/connecting/candidate.h"
+#include "services/composer/connecting/connect.h"
+
+namespace mortise::composer {
+
+// A connection that is used, with its connecting parts where they go.
+struct UsedConnection {
+  Candidate candidate;
+  parametric::OptimizedConnection placed;
+  double moved_by = 0;  // m
+};
+
+struct Merged {
+  parametric::Assembly assembly;
+  std::vector<Provenance> parts, joints;
+  std::vector<MadeConnection> connections;  // in the order of those used
+  std::string group;
+  std::string insert_below;
+};
+
+// Returns the joint of a connection, by its index there, that moved what the component's parts
+// stand for and nothing else: with it the component moves against the body.
+std::optional<int> JointOfComponent(const Candidate& candidate);
+
+// Returns the body and the component drawn as they are now, and the connecting parts. The
+// component's root becomes a group called as its id, in the lowest group of the body that contains
+// all parts of it that are connected; connecting parts come into the lowest group that contains
+// their principals. A joint of a connection that moved the component's root against the rest moves
+// its group. Fails as Redraw.
+absl::StatusOr<Merged> Merge(const BothSides& sides, const std::string& component_id,
+                             const std::vector<UsedConnection>& used);
+
+}  // namespace mortise::composer
