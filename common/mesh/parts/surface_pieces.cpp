@@ -20,11 +20,32 @@ struct TriangleEdge {
   bool IsWith(const TriangleEdge& other) const { return low == other.low && high == other.high; }
 };
 
-// The edges of all triangles; those of the same corners follow each other.
-std::vector<TriangleEdge> EdgesOf(const Eigen::Matrix3Xi& triangles) {
+// For each triangle the first one that has the same corners, whichever way they are turned: itself
+// but where a triangle is drawn again, as for both sides of a sheet.
+std::vector<std::size_t> FirstDrawn(const Eigen::Matrix3Xi& triangles) {
+  std::vector<std::pair<std::array<int, 3>, std::size_t>> by_corners;
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    std::array corners = {triangles(0, t), triangles(1, t), triangles(2, t)};
+    std::sort(corners.begin(), corners.end());
+    by_corners.emplace_back(corners, static_cast<std::size_t>(t));
+  }
+  std::sort(by_corners.begin(), by_corners.end());
+  std::vector<std::size_t> first(by_corners.size());
+  for (std::size_t i = 0; i < by_corners.size(); ++i) {
+    const bool is_again = i > 0 && by_corners[i].first == by_corners[i - 1].first;
+    first[by_corners[i].second] = is_again ? first[by_corners[i - 1].second] : by_corners[i].second;
+  }
+  return first;
+}
+
+// The edges of all triangles but those that are drawn again; those of the same corners follow each
+// other.
+std::vector<TriangleEdge> EdgesOf(const Eigen::Matrix3Xi& triangles,
+                                  const std::vector<std::size_t>& first_drawn) {
   std::vector<TriangleEdge> edges;
   edges.reserve(static_cast<std::size_t>(3 * triangles.cols()));
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    if (first_drawn[static_cast<std::size_t>(t)] != static_cast<std::size_t>(t)) continue;
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax({triangles(k, t), triangles((k + 1) % 3, t)});
       edges.push_back({low, high, static_cast<int>(t)});
@@ -54,7 +75,8 @@ struct Shells {
 
 Shells ShellsOf(const Eigen::Matrix3Xi& triangles) {
   const auto count = static_cast<std::size_t>(triangles.cols());
-  const std::vector<TriangleEdge> edges = EdgesOf(triangles);
+  const std::vector<std::size_t> first_drawn = FirstDrawn(triangles);
+  const std::vector<TriangleEdge> edges = EdgesOf(triangles, first_drawn);
   boost::disjoint_sets_with_storage<> sets(count);
   for (std::size_t t = 0; t < count; ++t) sets.make_set(t);
   ForEachEdge(edges, [&](std::size_t begin, std::size_t end) {
@@ -63,7 +85,7 @@ Shells ShellsOf(const Eigen::Matrix3Xi& triangles) {
                    static_cast<std::size_t>(edges[begin + 1].triangle));
   });
   Shells shells{.of = std::vector<std::size_t>(count), .is_closed = std::vector<bool>(count, true)};
-  for (std::size_t t = 0; t < count; ++t) shells.of[t] = sets.find_set(t);
+  for (std::size_t t = 0; t < count; ++t) shells.of[t] = sets.find_set(first_drawn[t]);
   std::vector<std::size_t> at_edge;
   ForEachEdge(edges, [&](std::size_t begin, std::size_t end) {
     at_edge.clear();

@@ -22,8 +22,10 @@ struct SurfacePiece {
 // What hangs together by corners is one piece (mesh_components.h), but for closed shells: where a
 // table's legs and its top are boxes that share corners or edges only, each box is a piece. A shell
 // is what hangs together by edges of exactly two triangles, and it is closed if none of its edges
-// has another number of them; boxes that share a whole face are one piece. What is left of a
-// component without its closed shells hangs together by corners again. The rule is our own.
+// has another number of them; boxes that share a whole face are one piece. A triangle that is drawn
+// again at the same corners, as for both sides of a sheet, goes with the first and counts as one.
+// What is left of a component without its closed shells hangs together by corners again. The rule
+// is our own.
 //
 // Corners nearer to each other than a millionth of the scene's diagonal are one; triangles that
 // have no three corners then are left out.

@@ -43,6 +43,21 @@ TEST(PiecesOf, KeepsOpenSurfacesThatShareCornersTogether) {
   EXPECT_THAT(Sizes(pieces), ::testing::UnorderedElementsAre(20, 12));
 }
 
+// Each triangle of a sheet twice, to be seen from both sides: two that face each other enclose
+// nothing.
+TEST(PiecesOf, KeepsSheetsOfTwoSidesTogether) {
+  const SceneComponent open = OpenBox("", {0, 0, 0}, {1, 1, 1});
+  SceneComponent back = open;
+  back.triangles.row(1).swap(back.triangles.row(2));
+  const auto sheet = PiecesOf(OneComponent({open, back}));
+  EXPECT_THAT(Sizes(sheet), ::testing::ElementsAre(20));
+  EXPECT_FALSE(sheet[0].is_closed);
+  // A box that touches it, drawn twice as well, is a piece by itself.
+  const SceneComponent box = Box("", {1, 1, 0}, {1, 1, 1});
+  const auto both = PiecesOf(OneComponent({open, back, box, box}));
+  EXPECT_THAT(Sizes(both), ::testing::UnorderedElementsAre(20, 24));
+}
+
 TEST(PiecesOf, SaysWhichComponentAPieceIsOf) {
   Scene scene;
   scene.components = {Box("a", {0, 0, 0}, {1, 1, 1}), Box("b", {5, 0, 0}, {1, 1, 1})};
