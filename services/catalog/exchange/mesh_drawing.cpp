@@ -20,6 +20,7 @@ namespace {
 constexpr double kThin = 2e-5;       // boxes no thicker get a thickness
 constexpr double kThickness = 1e-4;  // which is this
 constexpr double kTolerance = 1e-5;  // planes that are nearer lie in one
+constexpr double kMostMoved = 2;     // tolerances, of what lies between such planes
 
 constexpr double kMostTolerance = 1e-3;  // m
 constexpr double kSmallestMesh = 1e-4;   // m, its diagonal
@@ -156,7 +157,10 @@ class Drawer {
     part.volume = shape->volume;
     part.is_box = shape->is_solid && shape->volume >= kAlmostAll * shape->size.prod();
     if (part.is_box && !is_gapped) return absl::OkStatus();
-    if (is_gapped) shape->deflection = mesh::PartGroupingOptions().contact * diagonal_ / 2;
+    // Planes that nearly are one become one (ToleranceOfMesh), and take what lies between them
+    // along: corners and edges that met are a little apart then, and still touch.
+    shape->deflection =
+        (is_gapped ? mesh::PartGroupingOptions().contact / 2 : kMostMoved * kTolerance) * diagonal_;
     if (!shape->is_solid) surfaces_.push_back(part.name);
     shape->name = NamedShape(*shape).name();
     part.shape = static_cast<int>(drawing_.shapes.size());

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "common/assembly/codec/parametrization_codec.h"
@@ -159,6 +161,30 @@ TEST(MeshAssembly, FindsRowsOfWhichOnePartAloneHasAGap) {
   }
 }
 
+// A post with a bow at its side, every triangle of which is drawn twice, to be seen from both
+// sides.
+TEST(MeshAssembly, HasASheetOfTwoSidesAsOnePart) {
+  constexpr int kPieces = 12;
+  mesh::SceneComponent bow{"", Eigen::Matrix3Xd(3, 2 * kPieces + 2),
+                           Eigen::Matrix3Xi(3, 4 * kPieces)};
+  for (int i = 0; i <= kPieces; ++i) {
+    const double angle = 0.5 * std::numbers::pi * i / kPieces;
+    const Eigen::Vector3d at(0.1 + 0.5 * std::sin(angle), 0.55 - 0.5 * std::cos(angle), 0.5);
+    bow.vertices.middleCols<2>(2 * i) << at, at + Eigen::Vector3d(0, 0, 0.2);
+  }
+  for (int i = 0; i < kPieces; ++i) {
+    bow.triangles.middleCols<4>(4 * i) << 0, 1, 0, 1, 2, 2, 1, 3, 1, 3, 2, 2;
+    bow.triangles.middleCols<4>(4 * i).array() += 2 * i;
+  }
+  const mesh::Scene scene = OneComponent({Box("", {0, 0, 0}, {0.1, 0.1, 1}), bow});
+  const auto drawing = DrawingOfScene(scene, "bow", {.unit = kMetre});
+  ASSERT_TRUE(drawing.ok()) << drawing.status();
+  EXPECT_EQ(drawing->parts.size(), 2u);
+  const auto made = ParametricOf(scene);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ((*made)->contacts().size(), 1u);
+}
+
 TEST(MeshAssembly, GoesOnTouchingWhatItNearlyTouches) {
   std::vector<mesh::SceneComponent> parts = TableParts();
   for (std::size_t leg = 1; leg < parts.size(); ++leg) {
@@ -167,6 +193,37 @@ TEST(MeshAssembly, GoesOnTouchingWhatItNearlyTouches) {
   const auto made = ParametricOf(OneComponent(parts));
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_EQ((*made)->contacts().size(), 4u);
+}
+
+// Solids in a row, each of which has one corner in common with the next. Their sides lie nearly in
+// planes of each other, which become one plane and take the corners along.
+TEST(MeshAssembly, GoesOnTouchingWhereCornersDo) {
+  std::mt19937 random(5);
+  const auto near = [&](int low, int high) {
+    const double jitter = 6e-6 * std::uniform_real_distribution<double>(-1, 1)(random);
+    return 0.1 * std::uniform_int_distribution<int>(low, high)(random) + jitter;
+  };
+  for (int round = 0; round < 20; ++round) {
+    constexpr int kSolids = 5;
+    std::vector<Eigen::Vector3d> joints;
+    for (int i = 0; i <= kSolids; ++i) joints.emplace_back(0.3 * i, near(1, 4), near(1, 4));
+    std::vector<mesh::SceneComponent> solids;
+    for (int i = 0; i < kSolids; ++i) {
+      mesh::SceneComponent solid{"", Eigen::Matrix3Xd(3, 4), Eigen::Matrix3Xi(3, 4)};
+      solid.vertices << joints[static_cast<std::size_t>(i)],
+          joints[static_cast<std::size_t>(i) + 1],
+          Eigen::Vector3d(0.3 * i + 0.1, near(0, 0), near(0, 1)),
+          Eigen::Vector3d(0.3 * i + 0.2, near(4, 5), near(5, 5));
+      solid.triangles << 0, 0, 0, 1, 2, 1, 3, 2, 1, 3, 2, 3;
+      solids.push_back(std::move(solid));
+    }
+    const auto made = ParametricOf(OneComponent(solids));
+    ASSERT_TRUE(made.ok()) << "round " << round << ": " << made.status();
+    const auto& contacts = (*made)->contacts();
+    for (int i = 0; i + 1 < kSolids; ++i) {
+      EXPECT_THAT(contacts, Contains(std::pair(i, i + 1))) << "round " << round;
+    }
+  }
 }
 
 TEST(DrawingOfScene, SaysWhatIsWrongWithAMesh) {
