@@ -21,7 +21,20 @@ constexpr char kGetItem[] = "/mortise.v1.CatalogService/GetItem";
 constexpr char kListItems[] = "/mortise.v1.CatalogService/ListItems";
 constexpr char kEvaluate[] = "/mortise.v1.CatalogService/EvaluateTemplate";
 constexpr char kImportCatalog[] = "/mortise.v1.CatalogService/ImportCatalog";
+constexpr char kUploadMesh[] = "/mortise.v1.RetrievalService/UploadMesh";
+constexpr char kSearch[] = "/mortise.v1.RetrievalService/SearchShapes";
 constexpr char kImport[] = "/mortise.v1.CatalogService/ImportTemplate";
+
+constexpr std::size_t kEnvelopeHead = 5;  // bytes: flags, and the length in big-endian order
+
+// A message as streams over HTTP have it.
+std::string Envelope(const std::string& message) {
+  std::string head(kEnvelopeHead, '\0');
+  for (std::size_t i = 1; i < kEnvelopeHead; ++i) {
+    head[i] = static_cast<char>(message.size() >> (8 * (kEnvelopeHead - 1 - i)));
+  }
+  return head + message;
+}
 
 class BadJsonTest : public testing::Test {
  protected:
@@ -77,6 +90,37 @@ class BadJsonTest : public testing::Test {
 };
 
 std::unique_ptr<RunningHouse> BadJsonTest::house_;
+
+// What clients without gRPC do with a mesh: all chunks in one body, each in an envelope.
+TEST_F(BadJsonTest, AMeshThatIsUploadedIsSearchedWith) {
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+  const auto upload = [&](std::size_t declared) {
+    const std::size_t half = mesh.size() / 2;
+    const Json chunks[] = {
+        {{"totalSize", declared}, {"data", absl::Base64Escape(mesh.substr(0, half))}},
+        {{"offset", half}, {"data", absl::Base64Escape(mesh.substr(half))}}};
+    std::string body;
+    for (const Json& chunk : chunks) body += Envelope(chunk.dump());
+    return Send(kUploadMesh, body, "application/connect+json");
+  };
+  const HttpAnswer uploaded = upload(mesh.size());
+  ASSERT_EQ(uploaded.status, 200) << uploaded.body;
+  const std::string before = "\"sha256\":\"";
+  const std::size_t at = uploaded.body.find(before);
+  ASSERT_NE(at, std::string::npos) << uploaded.body;
+  const std::string digest = uploaded.body.substr(at + before.size(), 64);
+  const auto search = [](const std::string& of) {
+    return Send(kSearch, Json{{"mesh", {{"upload", of}}}}.dump());
+  };
+  // It was read, so all that is missing is an index, which nobody has built.
+  ExpectRefused(search(digest), "failed_precondition", "no index");
+  ExpectRefused(search(std::string(64, '0')), "invalid_argument", "mesh.upload");
+
+  // A stream fails in its last envelope.
+  EXPECT_THAT(upload(mesh.size() + 1).body, HasSubstr("total_size"));
+  EXPECT_THAT(upload(std::size_t{2} << 30).body, HasSubstr("resource_exhausted"));
+}
 
 TEST_F(BadJsonTest, WhatIsNoJsonIsRefused) {
   for (const std::string& body :

@@ -1,8 +1,10 @@
 // `mortise assembly` against a catalog process with the collection that ships.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -72,6 +74,22 @@ TEST_F(AssemblyCommand, ShowsWhatHoldsPartsTogether) {
   for (const char* part :
        {"connection", "held by", "screw", "contact across x", " connections, "}) {
     EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+// Two gibibytes of nothing, which take no room on the disk.
+TEST_F(AssemblyCommand, RefusesFilesThatAreTooLargeBeforeTheyAreRead) {
+  const auto peak_kilobytes = [] {
+    rusage usage = {};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  for (const char* name : {"large.obj", "large.step"}) {
+    const std::string file = File(name, "#");
+    std::filesystem::resize_file(file, std::uintmax_t{2} << 30);
+    const long before = peak_kilobytes();
+    EXPECT_THAT(Refusal({"import", file}), AllOf(HasSubstr(file), HasSubstr("67108864 bytes")));
+    EXPECT_LT(peak_kilobytes() - before, 256 * 1024) << "it has been read";
   }
 }
 

@@ -1,17 +1,31 @@
-// Flags that a command does not know are refused by their names.
+// Flags that a command does not know are refused by their names, and files that are too large
+// before they are read.
 #include "cli/commands/command_line.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
+
+#include "tests/support/temporary_folder.h"
 
 namespace mortise::cli {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
+
+// The most memory that this process has had.
+long PeakKilobytes() {
+  rusage usage = {};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
 
 // What is said of a command line; empty if nothing is wrong with it. Nothing is run.
 std::string Refusal(std::vector<std::string> arguments) {
@@ -65,6 +79,23 @@ TEST(CommandLine, UnknownFlagsAreNamed) {
   for (const char* const command : {"up", "down", "status", "demo", "events"}) {
     EXPECT_THAT(Refusal({command, "--hous", "there"}), HasSubstr("--hous")) << command;
   }
+}
+
+// Two gibibytes of nothing, which take no room on the disk.
+TEST(CommandLine, AMeshThatIsTooLargeIsRefusedBeforeItIsRead) {
+  const mortise::testing::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "large.obj";
+  std::ofstream(file).put('#');
+  std::filesystem::resize_file(file, std::uintmax_t{2} << 30);
+  Session session;
+  session.gateway.address = "127.0.0.1:1";  // where nobody is
+  Output output(Output::Form::kSilent);
+  const long before = PeakKilobytes();
+  const absl::Status refused = RunCommandLine({"search", file.string()}, session, output);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr(file.string()));
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("67108864 bytes"));
+  EXPECT_LT(PeakKilobytes() - before, 256 * 1024) << "it has been read";
 }
 
 }  // namespace
