@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "common/base/files.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
@@ -20,24 +21,45 @@ namespace {
 
 using testing::Call;
 
-constexpr char kCart[] = "templates/tool-cart";
+constexpr char kChest[] = "templates/chest";
 constexpr double kDelta = 0.15;  // of the index
 
-// A collection of a cart with a frame, a handle and a drawer.
-class CartCollection {
+// A frame of three boards and a drawer of two that stands in it: only the lengths of boards are
+// free, so that it is covered in seconds.
+constexpr char kDrawn[] = R"(
+  name: "assemblies/chest"
+  title: "Chest"
+  groups { name: "frame" }
+  groups { name: "drawer" }
+  parts {
+    name: "frame side" item: "items/board-19x89" group: "frame" length_axis: Z thickness_axis: X
+    position {} size { z: 0.6 }
+    repeat { count: 2 offset { x: 0.519 } }
+  }
+  parts {
+    name: "frame shelf" item: "items/board-19x89" group: "frame"
+    position { x: 0.019 z: 0.3 } size { x: 0.5 }
+  }
+  parts {
+    name: "drawer bottom" item: "items/board-19x89" group: "drawer"
+    position { x: 0.069 z: 0.319 } size { x: 0.4 }
+  }
+  parts {
+    name: "drawer front" item: "items/board-19x89" group: "drawer" thickness_axis: Y
+    position { x: 0.069 z: 0.338 } size { x: 0.4 }
+  })";
+
+// A collection of it alone.
+class ChestCollection {
  public:
-  CartCollection() {
+  ChestCollection() {
     namespace fs = std::filesystem;
     const fs::path shipped = testing::ShippedCollection();
-    for (const char* each : {"materials.textproto", "versions.csv"}) {
-      fs::copy(shipped / each, folder_.path() / each);
-    }
+    fs::copy(shipped / "materials.textproto", folder_.path() / "materials.textproto");
     for (const char* each : {"items", "shapes"}) {
       fs::copy(shipped / each, folder_.path() / each, fs::copy_options::recursive);
     }
-    fs::create_directories(folder_.path() / "assemblies");
-    fs::copy(shipped / "assemblies/tool_cart.textproto",
-             folder_.path() / "assemblies/tool_cart.textproto");
+    EXPECT_TRUE(WriteFile(folder_.path() / "assemblies/chest.textproto", kDrawn).ok());
   }
 
   std::string path() const { return folder_.path().string(); }
@@ -46,11 +68,11 @@ class CartCollection {
   testing::TemporaryFolder folder_;
 };
 
-// The index of the cart and its sub-trees, which searches share.
+// The index of the chest and its sub-trees, which searches share.
 class SubTreesTest : public ::testing::Test {
  protected:
   struct House {
-    CartCollection collection;
+    ChestCollection collection;
     testing::ServiceUnderTest catalog{"mortise-catalog", {"--collection=" + collection.path()}};
     testing::ServiceUnderTest service{"mortise-retrieval", {"--peer=catalog=" + catalog.address()}};
   };
@@ -81,17 +103,17 @@ class SubTreesTest : public ::testing::Test {
     return Call(*retrieval, &v1::RetrievalService::Stub::GetIndex, get);
   }
 
-  // What is found for the parts of the cart whose names begin so.
+  // What is found for the parts of the chest whose names begin so.
   static absl::StatusOr<v1::SearchShapesResponse> SearchForParts(const std::string& beginning) {
     const auto catalog = v1::CatalogService::NewStub(house_->catalog.channel());
     v1::EvaluateTemplateRequest evaluate;
-    evaluate.set_name(kCart);
+    evaluate.set_name(kChest);
     evaluate.set_without_triangles(true);
     const auto design = Call(*catalog, &v1::CatalogService::Stub::EvaluateTemplate, evaluate);
     if (!design.ok()) return design.status();
     v1::SearchShapesRequest request;
     request.set_shape_descriptor(v1::VOXEL);
-    request.mutable_design()->set_template_(kCart);
+    request.mutable_design()->set_template_(kChest);
     for (const auto& part : design->parts()) {
       if (part.name().starts_with(beginning)) request.mutable_design()->add_parts(part.name());
     }
@@ -109,7 +131,7 @@ TEST_F(SubTreesTest, AreFamiliesBesideTheWhole) {
   ASSERT_TRUE(index.ok()) << index.status();
   std::set<std::string> groups;
   for (const v1::ShapeIndex::Family& family : index->families()) {
-    EXPECT_EQ(family.template_(), kCart);
+    EXPECT_EQ(family.template_(), kChest);
     EXPECT_EQ(family.fault(), "") << family.group();
     EXPECT_EQ(family.failed_evaluations(), 0) << family.group();
     EXPECT_TRUE(groups.insert(family.group()).second);
@@ -124,7 +146,7 @@ TEST_F(SubTreesTest, AreFoundByWhatTheyLookLike) {
   ASSERT_TRUE(found.ok()) << found.status();
   ASSERT_GT(found->matches_size(), 1);
   const v1::ShapeMatch& nearest = found->matches(0);
-  EXPECT_EQ(nearest.template_(), kCart);
+  EXPECT_EQ(nearest.template_(), kChest);
   EXPECT_EQ(nearest.group(), "drawer");
   EXPECT_LT(nearest.distance(), found->matches(1).distance());
   EXPECT_GT(nearest.parameters_size(), 0);
