@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -23,11 +25,16 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kFirstPoints = 96;
 constexpr std::size_t kMostPoints = 1536;  // of a structure
+constexpr long kMostKnown = 4096;          // of all structures together
 constexpr int kBatch = 64;
 constexpr int kMostBatchesALevel = 64;
 constexpr double kMostFailures = 0.02;
-constexpr double kErrorPart = 0.2;  // of δ: of left-out errors
+constexpr double kErrorPart = 0.2;      // of δ: of left-out errors, that are aimed at
+constexpr double kMostErrorPart = 0.5;  // of δ, that are taken where more points bring little
+constexpr double kBringsLittle = 0.75;  // of the error that there was with half as many points
 constexpr double kErrorQuantile = 0.95;
+constexpr double kSmoothings[] = {0, 1e-3, 1e-2, 1e-1};  // of interpolants
+constexpr Index kMostSmoothed = 800;   // points: with more, each try takes longer than it is worth
 constexpr double kLeftOutPart = 0.05;  // of δ: beyond the principal components
 constexpr std::size_t kComponentPoints = 400;
 constexpr double kSmallest = 1e-6;  // of the largest component: smaller ones are rounding
@@ -35,6 +42,11 @@ constexpr double kRarePart = 0.05;  // of the samples, that may have structures 
 constexpr double kRounding = 1e-9;
 constexpr long kMostInterpolated = 400'000;  // evaluations of what interpolates
 constexpr double kSurely = 3;                // standard deviations
+
+// How many designs are made to interpolate between.
+long MostKnown(const CoverOptions& options) {
+  return std::min(kMostKnown, options.most_evaluations);
+}
 
 struct KnownPoint {
   VectorXd parameters;
@@ -50,16 +62,16 @@ class KnownPoints {
         extents_(std::move(extents)),
         evaluator_(manifold, options.threads) {}
 
-  // Draws samples until each structure that has been seen has `count` points, or many samples have
-  // been drawn.
-  absl::Status DrawUpTo(std::size_t count) {
+  // Draws samples until each structure that has been seen has `count` points, but for those that
+  // are interpolated well enough already, or many samples have been drawn.
+  absl::Status DrawUpTo(std::size_t count, const std::set<int>& settled) {
     for (int batch = 0; batch < kMostBatchesALevel; ++batch) {
       if (options_.stop.stop_requested()) return absl::CancelledError("the cover was cancelled");
-      MORTISE_RETURN_IF_ERROR(DrawBatch(count));
+      MORTISE_RETURN_IF_ERROR(DrawBatch(count, settled));
       const bool has_enough = std::all_of(points_.begin(), points_.end(), [&](const auto& each) {
-        return each.second.size() >= count;
+        return each.second.size() >= count || settled.contains(each.first);
       });
-      if (has_enough || TooManyFail() || evaluator_.evaluations() >= options_.most_evaluations) {
+      if (has_enough || TooManyFail() || evaluator_.evaluations() >= MostKnown(options_)) {
         break;
       }
     }
@@ -88,7 +100,7 @@ class KnownPoints {
   const ParallelEvaluator& evaluator() const { return evaluator_; }
 
  private:
-  absl::Status DrawBatch(std::size_t count) {
+  absl::Status DrawBatch(std::size_t count, const std::set<int>& settled) {
     MORTISE_ASSIGN_OR_RETURN(std::vector<VectorXd> drawn,
                              manifold_.Sample(kBatch, options_.seed + ++batches_));
     if (middle_.size() == 0) {
@@ -101,7 +113,8 @@ class KnownPoints {
       const int structure = manifold_.Structure(drawn[i]);
       ++samples_;
       ++seen_[structure];
-      if (points_[structure].size() < count) wanted.push_back(std::move(drawn[i]));
+      const bool is_wanted = points_[structure].size() < count && !settled.contains(structure);
+      if (is_wanted) wanted.push_back(std::move(drawn[i]));
     }
     const auto values = evaluator_.Evaluate(wanted);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -171,8 +184,33 @@ std::optional<Subspace> LeadingComponents(const KnownPoints& known, double most)
 // The interpolant of each structure that has a good one.
 using Interpolants = std::map<int, RadialInterpolant>;
 
-Interpolants Interpolate(const KnownPoints& known, const Subspace& space, double most) {
-  Interpolants interpolants;
+// What interpolates a structure, and what 95 of 100 errors do not exceed.
+struct Attempt {
+  RadialInterpolant interpolant;
+  double error = 0;
+};
+
+// The interpolant with the least error, of those that meet the points and, where these are not good
+// enough, of smoother ones: of designs that are meshed anew, points have noise.
+std::optional<Attempt> BestOf(const MatrixXd& nodes, const MatrixXd& values, double enough) {
+  std::optional<Attempt> best;
+  for (const double smoothing : kSmoothings) {
+    if (smoothing > 0 && nodes.cols() > kMostSmoothed) break;
+    auto interpolant = RadialInterpolant::Fit(nodes, values, smoothing);
+    if (!interpolant.ok()) continue;
+    const VectorXd& left_out = interpolant->left_out_errors();
+    std::vector<double> errors(left_out.begin(), left_out.end());
+    std::sort(errors.begin(), errors.end());
+    const double error = Quantile(errors, kErrorQuantile);
+    if (!best || error < best->error) best = Attempt{*std::move(interpolant), error};
+    if (best->error <= enough) break;
+  }
+  return best;
+}
+
+// What can be interpolated of each structure.
+std::map<int, Attempt> Interpolate(const KnownPoints& known, const Subspace& space, double enough) {
+  std::map<int, Attempt> attempts;
   for (const auto& [structure, points] : known.points()) {
     if (points.empty()) continue;
     MatrixXd nodes(points.front().parameters.size(), static_cast<Index>(points.size()));
@@ -181,14 +219,31 @@ Interpolants Interpolate(const KnownPoints& known, const Subspace& space, double
       nodes.col(static_cast<Index>(i)) = known.Scaled(points[i].parameters);
       values.col(static_cast<Index>(i)) = space.Project(points[i].value);
     }
-    auto interpolant = RadialInterpolant::Fit(std::move(nodes), values);
-    if (!interpolant.ok()) continue;
-    const VectorXd& left_out = interpolant->left_out_errors();
-    std::vector<double> errors(left_out.begin(), left_out.end());
-    std::sort(errors.begin(), errors.end());
-    if (Quantile(errors, kErrorQuantile) <= most) {
-      interpolants.emplace(structure, *std::move(interpolant));
-    }
+    if (auto best = BestOf(nodes, values, enough)) attempts.emplace(structure, *std::move(best));
+  }
+  return attempts;
+}
+
+// The least error with which all but rare structures are interpolated; infinity where they are not.
+double ErrorOf(const KnownPoints& known, const std::map<int, Attempt>& attempts) {
+  std::vector<std::pair<double, int>> ascending;
+  for (const auto& [structure, attempt] : attempts) {
+    ascending.emplace_back(attempt.error, structure);
+  }
+  std::sort(ascending.begin(), ascending.end());
+  double part = 0;
+  for (const auto& [structure, points] : known.points()) part += known.PartOf(structure);
+  for (const auto& [error, structure] : ascending) {
+    part -= known.PartOf(structure);
+    if (part <= kRarePart + kRounding) return error;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+Interpolants GoodOnes(std::map<int, Attempt> attempts, double most) {
+  Interpolants interpolants;
+  for (auto& [structure, attempt] : attempts) {
+    if (attempt.error <= most) interpolants.emplace(structure, std::move(attempt.interpolant));
   }
   return interpolants;
 }
@@ -251,11 +306,12 @@ void CountKnown(const KnownPoints& known, Cover* cover) {
   if (cover->failure_messages.empty()) cover->failure_messages = known.evaluator().messages();
 }
 
+// `error`: of the interpolants, which the cover leaves room for.
 absl::StatusOr<Cover> CoverInterpolated(const InterpolatedManifold& manifold,
-                                        const KnownPoints& known, double part_without,
+                                        const KnownPoints& known, double part_without, double error,
                                         CoverOptions options) {
   const long left = std::max(1L, options.most_evaluations - known.evaluator().evaluations());
-  options.delta *= 1 - kErrorPart - kLeftOutPart;
+  options.delta -= error + kLeftOutPart * options.delta;
   options.most_evaluations = kMostInterpolated;
   if (part_without > 0) {
     const double most = static_cast<double>(left) / part_without;
@@ -264,6 +320,7 @@ absl::StatusOr<Cover> CoverInterpolated(const InterpolatedManifold& manifold,
   MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(manifold, options));
   for (Primitive& primitive : cover.primitives) primitive = manifold.Lifted(std::move(primitive));
   cover.evaluations = manifold.others();
+  cover.interpolation_error = error;
   CountKnown(known, &cover);
   return cover;
 }
@@ -305,17 +362,31 @@ absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const Cover
   }
   KnownPoints known(manifold, options, std::move(extents));
   const auto most = static_cast<std::size_t>(std::min<long>(kMostPoints, options.most_evaluations));
+  double before = std::numeric_limits<double>::infinity();
+  std::set<int> settled;  // structures that need no more points
   for (std::size_t count = kFirstPoints; count <= most; count *= 2) {
-    MORTISE_RETURN_IF_ERROR(known.DrawUpTo(count));
-    if (known.TooManyFail() || known.evaluator().evaluations() > options.most_evaluations) break;
+    MORTISE_RETURN_IF_ERROR(known.DrawUpTo(count, settled));
+    if (known.TooManyFail()) break;
     const auto space = LeadingComponents(known, kLeftOutPart * options.delta);
     if (!space) continue;
-    Interpolants interpolants = Interpolate(known, *space, kErrorPart * options.delta);
+    std::map<int, Attempt> attempts = Interpolate(known, *space, kErrorPart * options.delta);
+    const double error = ErrorOf(known, attempts);
+    const bool is_last = 2 * count > most || known.evaluator().evaluations() >= MostKnown(options);
+    const bool is_enough = is_last || error > kBringsLittle * before;
+    before = error;
+    const double taken = std::max(error, kErrorPart * options.delta);
+    if (taken > (is_enough ? kMostErrorPart : kErrorPart) * options.delta) {
+      if (is_last) break;
+      for (const auto& [structure, attempt] : attempts) {
+        if (attempt.error <= kErrorPart * options.delta) settled.insert(structure);
+      }
+      continue;
+    }
+    Interpolants interpolants = GoodOnes(std::move(attempts), taken);
     const double part_without = PartWithout(known, interpolants);
-    if (part_without > kRarePart) continue;
     const InterpolatedManifold interpolated(manifold, known, *space, std::move(interpolants));
     MORTISE_ASSIGN_OR_RETURN(Cover cover,
-                             CoverInterpolated(interpolated, known, part_without, options));
+                             CoverInterpolated(interpolated, known, part_without, taken, options));
     if (known.evaluator().failures() > 0) DropWhatFails(manifold, options.threads, &cover);
     return cover;
   }

@@ -74,6 +74,9 @@ struct Cover {
   long evaluations = 0;                       // all, failures with them
   long failures = 0;                          // designs that could not be evaluated
   std::vector<std::string> failure_messages;  // what the first of them said, ten at most
+  // What 95 of 100 designs are no further from what the cover was made of than: 0 where that is the
+  // designs themselves.
+  double interpolation_error = 0;
 };
 
 // Covers a manifold. The same seed gives the same bits with any number of threads. A sample that

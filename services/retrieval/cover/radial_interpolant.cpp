@@ -35,7 +35,8 @@ VectorXd TermsAt(const VectorXd& x, Index terms) {
 
 }  // namespace
 
-absl::StatusOr<RadialInterpolant> RadialInterpolant::Fit(MatrixXd points, const MatrixXd& values) {
+absl::StatusOr<RadialInterpolant> RadialInterpolant::Fit(MatrixXd points, const MatrixXd& values,
+                                                         double smoothing) {
   const Index count = points.cols(), size = points.rows();
   if (values.cols() != count) return InvalidField("values", "must be one for each point");
   const bool is_quadratic = count >= kPointsAQuadraticTerm * QuadraticTerms(size);
@@ -47,6 +48,7 @@ absl::StatusOr<RadialInterpolant> RadialInterpolant::Fit(MatrixXd points, const 
   for (Index i = 0; i < count; ++i) {
     const VectorXd distances = (points.colwise() - points.col(i)).colwise().norm();
     system.col(i).head(count) = distances.array().cube();
+    system(i, i) += smoothing;
     const VectorXd polynomial = TermsAt(points.col(i), terms);
     system.col(i).tail(terms) = polynomial;
     system.row(i).tail(terms) = polynomial.transpose();

@@ -3,7 +3,8 @@
 //   f(x) = Σ_i w_i ‖x - x_i‖³ + p(x),
 //
 // p a polynomial, the w_i orthogonal to all such polynomials (Duchon 1977). Of all that
-// interpolates it bends least; it needs no length to be chosen.
+// interpolates it bends least; it needs no length to be chosen. Values with noise it need not meet:
+// with λ > 0 it is what bends less and misses each value by λ w_i (Wahba 1990).
 #pragma once
 
 #include <Eigen/Core>
@@ -18,8 +19,9 @@ class RadialInterpolant {
   // is quadratic where there are three points for each of its terms, otherwise linear.
   // INVALID_ARGUMENT if sizes disagree; FAILED_PRECONDITION, TOO_FEW_POINTS, if there are fewer
   // than two for each term, or they lie so that they do not determine it. O(n³ + n² D).
+  // `smoothing` is λ, in cubed units of the points.
   static absl::StatusOr<RadialInterpolant> Fit(Eigen::MatrixXd points,
-                                               const Eigen::MatrixXd& values);
+                                               const Eigen::MatrixXd& values, double smoothing = 0);
 
   // f(x), D. O(n (K + D)).
   Eigen::VectorXd At(const Eigen::VectorXd& x) const;

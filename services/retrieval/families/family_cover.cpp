@@ -6,7 +6,7 @@ namespace {
 constexpr double kDeltaOfScale = 0.25;
 constexpr std::uint64_t kSeed = 1;
 constexpr int kMaxPrimitives = 1'000;
-constexpr long kMaxEvaluations = 20'000;
+constexpr long kMaxEvaluations = 8'000;
 constexpr long kMaxMeshings = 800;
 
 }  // namespace

@@ -72,7 +72,9 @@ struct Family {
   std::shared_ptr<const templates::Template> function;
   std::shared_ptr<const Descriptor> descriptor;
   LinearConstraints constraints;
-  std::vector<StructureFamily> structures;  // the default design's first
+  std::vector<StructureFamily> structures;   // the default design's first
+  std::shared_ptr<DescribedDesigns> shared;  // where it makes the designs
+  std::size_t place = 0;                     // of the descriptor there
   mutable RecentStructures recent;
 
   const StructureFamily* Find(const parametric::Structure& structure) const {
@@ -103,6 +105,14 @@ bool HasVerticesOf(const StructureFamily& family, const mesh::SurfaceMesh& surfa
 }
 
 absl::StatusOr<VectorXd> Describe(const Family& family, const VectorXd& q) {
+  if (family.shared != nullptr) {
+    const std::shared_ptr<const DescribedDesign> design = family.shared->At(q);
+    const absl::StatusOr<VectorXd>& vector = design->vectors[family.place];
+    if (vector.ok() && !design->structure.counts.empty()) {
+      family.recent.Add(q, NumberOf(design->structure));
+    }
+    return vector;
+  }
   MORTISE_ASSIGN_OR_RETURN(const SurfaceDesign design, SurfaceAt(*family.function, q));
   if (!design.structure.counts.empty()) family.recent.Add(q, NumberOf(design.structure));
   const StructureFamily* const known = family.Find(design.structure);
@@ -211,7 +221,8 @@ void AddStructuresOf(const std::vector<VectorXd>& samples, Family* family) {
 
 absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
     std::shared_ptr<const templates::Template> function,
-    std::shared_ptr<const Descriptor> descriptor) {
+    std::shared_ptr<const Descriptor> descriptor, std::shared_ptr<DescribedDesigns> shared,
+    std::size_t place) {
   MORTISE_ASSIGN_OR_RETURN(ParameterDomain box, DomainOf(*function));
   ManifoldFunctions functions;
   functions.lower = std::move(box.lower);
@@ -233,6 +244,8 @@ absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
   MORTISE_ASSIGN_OR_RETURN(const std::vector<VectorXd> scouts, domain.Sample(kScouts, kScoutSeed));
   if (family->function->MeshesAnew()) {
     family->structures.front().bound.reset();
+    family->shared = std::move(shared);
+    family->place = place;
   } else {
     AddStructuresOf(scouts, family.get());
     functions.noise = properties.bound_noise / properties.natural_scale;

@@ -2,12 +2,14 @@
 // Figure 4-2).
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "absl/status/statusor.h"
 #include "common/templates/template.h"
 #include "services/retrieval/cover/function_manifold.h"
 #include "services/retrieval/descriptors/descriptor.h"
+#include "services/retrieval/families/described_designs.h"
 
 namespace mortise::retrieval {
 
@@ -30,8 +32,13 @@ namespace mortise::retrieval {
 //
 // Designs that cannot be made fail. Fails itself where the default design cannot be made or
 // described.
+//
+// `shared`: where designs are meshed anew each time, they come from there, and are made once for
+// all descriptors; `place` is that of this descriptor among them. It changes nothing of the
+// manifold.
 absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
     std::shared_ptr<const templates::Template> function,
-    std::shared_ptr<const Descriptor> descriptor);
+    std::shared_ptr<const Descriptor> descriptor,
+    std::shared_ptr<DescribedDesigns> shared = nullptr, std::size_t place = 0);
 
 }  // namespace mortise::retrieval

@@ -46,6 +46,7 @@ v1::ShapeIndex::Family WithDesignsOf(v1::ShapeIndex::Family family,
   family.set_evaluations(known.evaluations());
   family.set_failed_evaluations(known.failed_evaluations());
   family.set_truncated(known.truncated());
+  family.set_interpolation_error(known.interpolation_error());
   family.set_digest(known.digest());
   return family;
 }

@@ -263,6 +263,7 @@ absl::StatusOr<v1::ShapeIndex> CoverQueue::RecordOf(const v1::CoverTask& task,
   family.set_evaluations(made.evaluations());
   family.set_failed_evaluations(made.failed_evaluations());
   family.set_truncated(made.truncated());
+  family.set_interpolation_error(made.interpolation_error());
   family.set_fault(made.fault());
   if (made.sha256().empty() != !made.fault().empty()) {
     return InvalidField("cover.sha256", "is either there, or a fault");

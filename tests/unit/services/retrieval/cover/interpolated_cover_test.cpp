@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/base/errors.h"
 #include "services/retrieval/cover/cover_error.h"
 #include "tests/unit/services/retrieval/cover/known_manifolds.h"
@@ -97,6 +99,26 @@ TEST(InterpolatedCover, IsTheDirectOneWhereInterpolationWillNotDo) {
   const Cover half = CoverByInterpolation(failing, options).value();
   EXPECT_GT(half.failures, 0);
   for (const Primitive& primitive : half.primitives) EXPECT_LE(primitive.parameters[0], 0.5);
+}
+
+// Noise, as of designs that are meshed anew each time: no number of points takes it away, and the
+// cover leaves room for it.
+TEST(InterpolatedCover, MakesNoMoreDesignsWhereTheyBringLittle) {
+  constexpr double kDelta = 0.1;
+  ManifoldFunctions functions = testing::Paraboloid();
+  functions.evaluate = [whole = functions.evaluate](const VectorXd& q) -> absl::StatusOr<VectorXd> {
+    const double phase = 1e5 * q[0] + 3e4 * q[1];
+    const Eigen::Vector3d noise(std::sin(phase), std::sin(2 * phase), std::sin(3 * phase));
+    return VectorXd(*whole(q) + 0.15 * kDelta * noise);
+  };
+  const FunctionManifold manifold(functions);
+  const Cover cover = CoverByInterpolation(manifold, {.delta = kDelta, .seed = 3}).value();
+  EXPECT_LE(cover.evaluations, 400);
+  EXPECT_GT(cover.interpolation_error, 0.2 * kDelta);
+  EXPECT_LE(cover.interpolation_error, 0.5 * kDelta);
+  EXPECT_EQ(cover.end, CoverEnd::kCovered);
+  const ErrorSampling sampling{.count = 500, .seed = 9};
+  EXPECT_LE(Quantile(CoverageErrors(manifold, cover.primitives, sampling).value(), 0.99), kDelta);
 }
 
 // Few designs of a corner cannot be made: what interpolates does not know it.

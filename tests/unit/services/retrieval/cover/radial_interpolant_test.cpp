@@ -73,6 +73,45 @@ TEST(RadialInterpolant, KnowsHowFarItIsOffAtAPointThatItIsNotGiven) {
   }
 }
 
+// What is smoother is nearer to what lies below noise, and knows it.
+TEST(RadialInterpolant, IsSmootherThanNoise) {
+  constexpr double kNoise = 0.05;
+  const MatrixXd points = ScatteredPoints(2, 200);
+  Random random(6);
+  const MatrixXd values = ValuesOf(points, Waves) + kNoise * MatrixXd::NullaryExpr(2, 200, [&] {
+                                                      return 2 * random.Uniform() - 1;
+                                                    });
+  const RadialInterpolant met = RadialInterpolant::Fit(points, values).value();
+  const RadialInterpolant smooth = RadialInterpolant::Fit(points, values, 1e-2).value();
+  double off_met = 0, off_smooth = 0;
+  for (int i = 0; i < 100; ++i) {
+    const VectorXd x = VectorXd::NullaryExpr(2, [&] { return 0.1 + 0.8 * random.Uniform(); });
+    off_met += (met.At(x) - Waves(x)).norm() / 100;
+    off_smooth += (smooth.At(x) - Waves(x)).norm() / 100;
+  }
+  EXPECT_LT(off_smooth, 0.7 * off_met);
+  EXPECT_LT(off_smooth, kNoise);
+  EXPECT_LT(smooth.left_out_errors().mean(), met.left_out_errors().mean());
+}
+
+// The errors are those of leaving points out, also where it is smoother.
+TEST(RadialInterpolant, KnowsHowFarASmootherOneIsOff) {
+  const MatrixXd points = ScatteredPoints(2, 40);
+  const MatrixXd values = ValuesOf(points, Waves);
+  const RadialInterpolant all = RadialInterpolant::Fit(points, values, 1e-2).value();
+  for (const Eigen::Index left_out : {0, 17, 39}) {
+    MatrixXd others(2, 39), of_others(2, 39);
+    for (Eigen::Index i = 0, next = 0; i < 40; ++i) {
+      if (i == left_out) continue;
+      others.col(next) = points.col(i);
+      of_others.col(next++) = values.col(i);
+    }
+    const RadialInterpolant without = RadialInterpolant::Fit(others, of_others, 1e-2).value();
+    EXPECT_NEAR((without.At(points.col(left_out)) - values.col(left_out)).norm(),
+                all.left_out_errors()[left_out], 1e-9);
+  }
+}
+
 TEST(RadialInterpolant, RefusesTooFewPoints) {
   const MatrixXd few = ScatteredPoints(3, 5);
   EXPECT_EQ(DetailOf(RadialInterpolant::Fit(few, MatrixXd::Zero(1, 5)).status()).reason,
