@@ -256,6 +256,20 @@ absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& 
   return made;
 }
 
+absl::StatusOr<std::vector<std::string>> PartsOfNode(const Assembly& assembly,
+                                                     const std::string& node) {
+  Node found;
+  found.inside.assign(assembly.parts.size(), true);
+  if (!node.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(found, FindNode(assembly, node));
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    if (found.inside[i]) names.push_back(assembly.parts[i].name);
+  }
+  return names;
+}
+
 absl::StatusOr<Assembly> WithoutSubTree(const Assembly& assembly, const std::string& node) {
   Node found;
   found.inside.assign(assembly.parts.size(), true);

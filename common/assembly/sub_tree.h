@@ -24,6 +24,11 @@ namespace mortise::parametric {
 // as FindTouchingParts does.
 absl::StatusOr<Assembly> SubTreeOf(const Assembly& assembly, const std::string& node);
 
+// Returns the names of the parts that are drawn below a node, which names as in SubTreeOf; all for
+// "". INVALID_ARGUMENT, "group", where nothing is called so.
+absl::StatusOr<std::vector<std::string>> PartsOfNode(const Assembly& assembly,
+                                                     const std::string& node);
+
 // Returns what is left of a valid assembly when the sub-tree below `node` is taken out, which names
 // as in SubTreeOf. Connecting parts that belong together go as soon as one of the principal parts
 // that they touch goes, wherever they are drawn; those that touch none go with their group. Groups

@@ -25,7 +25,8 @@ struct Control {
 
 // Returns the controls of a node that can be dragged: "" is the whole, otherwise a group, an
 // element or the parts of a row, as SubTreeOf says. The box of a group is that of its parts, so its
-// controls are those of the elements that bound it as they are now. A control is left out where the
+// controls are those of the elements that bound it as they are now; a part of a row is controlled
+// with its row. A control is left out where the
 // feasible set determines it (numerically: no direction of the set changes it by more than a
 // billionth), or its ends are no more than 1 nm apart.
 //

@@ -142,6 +142,16 @@ TEST(SubTreeTest, ASubTreeIsParametrisedAsAnyAssembly) {
   EXPECT_FALSE(made.RangeOf({"lid board", Axis::kX, MeasureKind::kSize}).ok());
 }
 
+TEST(PartsOfNodeTest, TheyAreThoseDrawnBelowIt) {
+  ASSERT_OK_AND_ASSIGN(const std::vector<std::string> lid, PartsOfNode(HeldChest(), "lid"));
+  EXPECT_THAT(lid, ElementsAre("lid board", "label"));
+  ASSERT_OK_AND_ASSIGN(const std::vector<std::string> row, PartsOfNode(HeldChest(), "shelf"));
+  EXPECT_THAT(row, ElementsAre("shelf 1", "shelf 2", "shelf 3"));
+  ASSERT_OK_AND_ASSIGN(const std::vector<std::string> all, PartsOfNode(HeldChest(), ""));
+  EXPECT_EQ(all.size(), HeldChest().parts.size());
+  EXPECT_EQ(DetailOf(PartsOfNode(HeldChest(), "drawer").status()).field, "group");
+}
+
 TEST(WithoutSubTreeTest, WhatHeldItGoesToo) {
   ASSERT_OK_AND_ASSIGN(const Assembly open, WithoutSubTree(HeldChest(), "lid"));
   EXPECT_THAT(PartsOf(open),

@@ -1,8 +1,6 @@
 // Components and bodies made of the assemblies that ship, as tests of the composer use them.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -56,11 +54,16 @@ inline std::vector<const CollectionConnection*> AllShippedConnections() {
 // Options with the materials of the items that ship.
 inline ConnectOptions ShippedOptions() {
   ConnectOptions options;
-  options.material_of = [](const std::string& item) {
+  static const auto* const materials = [] {
+    auto* const by_item = new std::map<std::string, std::string>();
     for (const parametric::Item& one : parametric::ShippedItems()) {
-      if (one.name == item) return one.material;
+      by_item->emplace(one.name, one.material);
     }
-    return std::string();
+    return by_item;
+  }();
+  options.material_of = [](const std::string& item) {
+    const auto found = materials->find(item);
+    return found == materials->end() ? std::string() : found->second;
   };
   return options;
 }
@@ -69,16 +72,6 @@ inline ConnectOptions ShippedOptions() {
 inline Design DroppedAt(Design design, const Eigen::Vector3d& middle) {
   design.shift += middle - BoundsOf(design).center();
   return design;
-}
-
-// The box of the first part of this name, which must be there.
-inline parametric::BoundingBox BoxOfPart(const parametric::Assembly& assembly,
-                                         const std::string& name) {
-  for (const parametric::AssemblyPart& part : assembly.parts) {
-    if (part.name == name) return part.box;
-  }
-  ADD_FAILURE() << "there is no part " << name;
-  return {};
 }
 
 }  // namespace mortise::composer

@@ -89,6 +89,15 @@ std::vector<std::string> Clashes(const Connected& made) {
   return found;
 }
 
+// The box of the first part of this name, which must be there.
+BoundingBox BoxOfPart(const Assembly& assembly, const std::string& name) {
+  for (const AssemblyPart& part : assembly.parts) {
+    if (part.name == name) return part.box;
+  }
+  ADD_FAILURE() << "there is no part " << name;
+  return {};
+}
+
 double Apart(const BoundingBox& a, const BoundingBox& b) {
   return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).maxCoeff();
 }
