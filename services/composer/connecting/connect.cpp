@@ -63,6 +63,7 @@ class Connector {
       MORTISE_RETURN_IF_ERROR(UseOriginal());
     }
     UseOthers();
+    MORTISE_RETURN_IF_ERROR(CheckHeld());
     MORTISE_ASSIGN_OR_RETURN(std::vector<UsedConnection> used, PlaceAll());
     MORTISE_RETURN_IF_ERROR(CheckOverlap());
     MORTISE_ASSIGN_OR_RETURN(Merged merged, Merge(sides_, component_id, used));
@@ -401,6 +402,17 @@ class Connector {
     warnings_.push_back(
         {first, second,
          absl::StrCat("nothing holds '", first, "' and '", second, "' together: ", why)});
+  }
+
+  // Whether the component would at least touch the model: what only has a gap to it hangs in the
+  // air.
+  absl::Status CheckHeld() const {
+    const LinkedPair& nearest = linked_.front();
+    if (!used_.empty() || nearest.apart <= tolerance_) return absl::OkStatus();
+    return PreconditionFailed("NOTHING_HOLDS",
+                              absl::StrCat("the component is ", Millimetres(nearest.apart),
+                                           " from the model, and no connection bridges that: ",
+                                           warnings_.empty() ? "" : warnings_.front().text));
   }
 
   // All connections in their places, now that both sides stand.

@@ -95,9 +95,10 @@ struct Connected {
 // - No new part runs into another by more than 0.1 mm. What is left without a connection is warned
 //   of.
 //
-// FAILED_PRECONDITION: NOTHING_NEAR if no part of the body is near the component;
-// COMPONENT_OVERLAPS, naming the parts and the depth, if it reaches into the body by more than 0.1
-// mm where no connection has it so; otherwise as ParametricAssembly::Create.
+// FAILED_PRECONDITION: NOTHING_NEAR if no part of the body is near the component; NOTHING_HOLDS if
+// it touches none, and nothing connects it; COMPONENT_OVERLAPS, naming the parts and the depth, if
+// it reaches into the body by more than 0.1 mm where no connection has it so; otherwise as
+// ParametricAssembly::Create.
 absl::StatusOr<Connected> Connect(const Design& body, const Design& component,
                                   const std::string& component_id, const Original* original,
                                   const std::vector<const CollectionConnection*>& others,

@@ -253,6 +253,16 @@ TEST(ConnectTest, NothingNearIsSaidWithTheNearest) {
   EXPECT_THAT(std::string(refused.message()), HasSubstr("'shelf 3'"));
 }
 
+TEST(ConnectTest, WhatHangsInTheAirIsRefused) {
+  const Design body = ShippedComponent("cabinet", "case");
+  Design above = ShippedComponent("bookshelf", "shelf 3");
+  const BoundingBox top = BoxOfPart(body.assembly->assembly(), "top");
+  above = DroppedAt(above, {0.5, 0.2, top.maximum.z() + 0.009 + 0.006});
+  const absl::Status refused = Connect(body, above, "new", nullptr, {}, ShippedOptions()).status();
+  EXPECT_EQ(DetailOf(refused).reason, "NOTHING_HOLDS");
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("'top'"));
+}
+
 TEST(ConnectTest, WhatReachesIntoTheModelIsRefused) {
   const Design body = ShippedComponent("cabinet", "case");
   const Design in_the_way = DroppedAt(ShippedComponent("bookshelf", "shelf 3"), {0.9, 0.2, 0.2});
