@@ -17,6 +17,7 @@
 #include "cli/client/output.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
+#include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/types.pb.h"
 
 namespace mortise::cli {
@@ -49,6 +50,11 @@ absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::stri
 // "name=value" with the value as above.
 absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     const std::vector<std::string>& assignments);
+
+// What somebody asks of an element of an assembly: "shelf 1.x=1200mm" for its size along an axis,
+// or "leg.z.maximum=0.7", with size, center, minimum or maximum; the value as ParseQuantity reads
+// it. INVALID_ARGUMENT naming "--set TEXT".
+absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text);
 
 // "x", "y" or "z", or nothing for an axis that is not said. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<v1::Axis> ParseAxis(const std::string& text, const std::string& field);

@@ -49,52 +49,6 @@ struct SampleOptions {
   std::uint64_t seed = 1;
 };
 
-// ---- What is asked for: "shelf 1.x=1200mm", "leg.z.maximum=0.7" ---------------------------------
-
-// What `text` ends with behind its last dot; nothing if it has none.
-std::string LastWord(const std::string& text) {
-  const std::size_t dot = text.rfind('.');
-  return dot == std::string::npos ? "" : text.substr(dot + 1);
-}
-
-void CutLastWord(std::string& text) { text.resize(text.rfind('.')); }
-
-v1::Measure::Kind KindOf(const std::string& word) {
-  if (word == "size") return v1::Measure::SIZE;
-  if (word == "center") return v1::Measure::CENTER;
-  if (word == "minimum") return v1::Measure::MINIMUM;
-  if (word == "maximum") return v1::Measure::MAXIMUM;
-  return v1::Measure::KIND_UNSPECIFIED;
-}
-
-v1::Axis AxisOf(const std::string& word) {
-  if (word == "x") return v1::X;
-  if (word == "y") return v1::Y;
-  if (word == "z") return v1::Z;
-  return v1::AXIS_UNSPECIFIED;
-}
-
-absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text) {
-  const std::size_t split = text.rfind('=');
-  const std::string source = absl::StrCat("--set ", text);
-  std::string name = text.substr(0, split);
-  v1::MeasureDemand demand;
-  v1::Measure& measure = *demand.mutable_measure();
-  measure.set_kind(KindOf(LastWord(name)));
-  if (measure.kind() != v1::Measure::KIND_UNSPECIFIED) CutLastWord(name);
-  measure.set_axis(AxisOf(LastWord(name)));
-  if (split == std::string::npos || measure.axis() == v1::AXIS_UNSPECIFIED) {
-    return InvalidField(source,
-                        "is not of the form ELEMENT.x=VALUE, with y or z, or such as "
-                        "ELEMENT.z.maximum=VALUE");
-  }
-  CutLastWord(name);
-  measure.set_element(name);
-  MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(text.substr(split + 1), source));
-  demand.set_value(value);
-  return demand;
-}
-
 std::string MeasureText(const v1::Measure& measure) {
   const std::string axis = measure.axis() == v1::Y ? "y" : measure.axis() == v1::Z ? "z" : "x";
   const std::string name = absl::StrCat(measure.element(), ".", axis);

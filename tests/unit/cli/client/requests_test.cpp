@@ -34,6 +34,23 @@ TEST(Requests, VectorsAreThreeNumbers) {
   }
 }
 
+TEST(Requests, DemandsNameAnElementAndALengthOfIt) {
+  const auto size = ParseDemand("shelf 1.x=1200mm");
+  ASSERT_TRUE(size.ok()) << size.status();
+  EXPECT_EQ(size->measure().element(), "shelf 1");
+  EXPECT_EQ(size->measure().axis(), v1::X);
+  EXPECT_EQ(size->measure().kind(), v1::Measure::KIND_UNSPECIFIED);
+  EXPECT_DOUBLE_EQ(size->value(), 1.2);
+  const auto place = ParseDemand("dowel 1.2.z.maximum=0.7");
+  ASSERT_TRUE(place.ok()) << place.status();
+  EXPECT_EQ(place->measure().element(), "dowel 1.2");
+  EXPECT_EQ(place->measure().axis(), v1::Z);
+  EXPECT_EQ(place->measure().kind(), v1::Measure::MAXIMUM);
+  for (const char* const text : {"", "shelf 1", "shelf 1.x", "shelf 1=2", "shelf 1.x.top=2"}) {
+    EXPECT_FALSE(ParseDemand(text).ok()) << text;
+  }
+}
+
 TEST(Requests, LengthsAreDecimal) {
   EXPECT_DOUBLE_EQ(ParseQuantity("1500mm", "--set a").value_or(0), 1.5);
   EXPECT_DOUBLE_EQ(ParseQuantity(" 2.5e1 cm ", "--set a").value_or(0), 0.25);
