@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "mortise/v1/assembly.pb.h"
 #include "mortise/v1/catalog.pb.h"
+#include "mortise/v1/composer.pb.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/gateway.pb.h"
@@ -52,6 +53,7 @@ const std::vector<ResourceKind>& ResourceKinds() {
       {"fronts", &v1::ListFrontsRequest::descriptor, "specification.subject"},
       {"plans", &v1::ListPlansRequest::descriptor, "template"},
       {"workOrders", &v1::ListWorkOrdersRequest::descriptor, "plan"},
+      {"models", &v1::ListModelsRequest::descriptor, "title"},
       {"webhooks", &v1::ListWebhooksRequest::descriptor, "url"},
       {"operations", &v1::ListOperationsRequest::descriptor, "subject"},
   };

@@ -57,6 +57,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddListCommand(app, session);
   AddFindCommand(app, session);
   AddLabelCommand(app, session);
+  AddComposeCommands(app, session);
   AddRetrievalCommands(app, session);
   AddOperationCommands(app, session);
   AddEventsCommand(app, session);

@@ -1,0 +1,404 @@
+// mortise compose: new designs of pieces of others.
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/client/command_flags.h"
+#include "cli/client/filter_options.h"
+#include "cli/client/requests.h"
+#include "cli/client/session.h"
+#include "cli/client/tag_options.h"
+#include "cli/commands/commands.h"
+#include "cli/commands/compose_output.h"
+#include "common/base/errors.h"
+#include "common/base/files.h"
+#include "common/base/identifiers.h"
+#include "common/rpc/status_mapping.h"
+#include "mortise/v1/composer.grpc.pb.h"
+
+namespace mortise::cli {
+namespace {
+
+using Stub = v1::ComposerService::Stub;
+
+constexpr double kSecondsOfChange =
+    600;  // that a change may take: parametrising lasts for hundreds of parts
+
+// Which model a command is about; what all of them take.
+struct ModelOptions {
+  std::string model;
+  std::int64_t revision = 0;  // 0: the present one
+  std::filesystem::path picture;
+};
+
+struct NewOptions {
+  std::string id, title;
+  TagOptions tags;
+};
+
+struct AddOptions : ModelOptions {
+  std::string subject, group, id, at;
+  std::int64_t template_revision = 0;
+  std::vector<std::string> demands;
+};
+
+// Of those that are about a component or node.
+struct NodeOptions : ModelOptions {
+  std::string component, node, at;
+  bool preview = false;
+};
+
+struct ForkOptions : ModelOptions {
+  std::string id, title;
+};
+
+struct SaveOptions : ModelOptions {
+  std::string id, title;
+};
+
+// ---- What the commands have in common ----------------------------------------------------------
+
+template <typename Request, typename Response>
+absl::StatusOr<Response> Ask(const GatewayClient& client,
+                             grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                          Response*),
+                             const Request& request) {
+  const auto stub = v1::ComposerService::NewStub(client.channel());
+  Response response;
+  MORTISE_RETURN_IF_ERROR(client.Call(
+      [&](grpc::ClientContext& context) {
+        return rpc::FromGrpc(((*stub).*method)(&context, request, &response));
+      },
+      kSecondsOfChange));
+  return response;
+}
+
+absl::StatusOr<v1::Model> Get(const GatewayClient& client, const ModelOptions& options) {
+  v1::GetModelRequest request;
+  request.set_name(ResourceName("models", options.model));
+  return Ask(client, &Stub::GetModel, request);
+}
+
+absl::Status WritePicture(const GatewayClient& client, const ModelOptions& options,
+                          Output& output) {
+  if (options.picture.empty()) return absl::OkStatus();
+  v1::DrawModelRequest request;
+  request.set_name(ResourceName("models", options.model));
+  MORTISE_ASSIGN_OR_RETURN(const v1::ModelPicture drawn, Ask(client, &Stub::DrawModel, request));
+  MORTISE_RETURN_IF_ERROR(WriteFile(options.picture, drawn.png()));
+  output.Line(absl::StrCat("  ", options.picture.string()));
+  return absl::OkStatus();
+}
+
+// Names the model and the revision that a request is about: the one that was said, or the present.
+template <typename Request>
+absl::Status Address(const GatewayClient& client, const ModelOptions& options, Request* request) {
+  request->set_request_id(NewIdentifier());
+  request->set_name(ResourceName("models", options.model));
+  request->set_revision(options.revision);
+  if (options.revision != 0) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model present, Get(client, options));
+  request->set_revision(present.revision());
+  return absl::OkStatus();
+}
+
+// Makes a change, and shows what came of it; of one component what it snapped or was connected by.
+template <typename Request>
+absl::Status Change(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, v1::Model*),
+                    Request request, const ModelOptions& options, const std::string& component,
+                    Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, method, request));
+  PrintModel(model, output);
+  PrintComponent(model, component, output);
+  return WritePicture(*client, options, output);
+}
+
+void AddModel(CommandFlags& flags, ModelOptions& options) {
+  flags.Add("model", options.model, "Model, such as desk", "name")->required();
+}
+
+void AddChange(CommandFlags& flags, ModelOptions& options) {
+  AddModel(flags, options);
+  flags.Add("--revision", options.revision,
+            "Only if the model has this revision; the present one if absent", "revision");
+  flags.Add("--picture", options.picture, "PNG file for a picture of what came of it");
+}
+
+// ---- The commands ------------------------------------------------------------------------------
+
+absl::Status New(const NewOptions& options, Session& session, Output& output) {
+  v1::CreateModelRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_model_id(options.id);
+  request.set_title(options.title);
+  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, &Stub::CreateModel, request));
+  PrintModel(model, output);
+  return absl::OkStatus();
+}
+
+absl::Status List(const FilterOptions& options, Session& session, Output& output) {
+  v1::ListModelsRequest filters;
+  MORTISE_ASSIGN_OR_RETURN(*filters.mutable_filter(), ParseFilter(options));
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::ComposerService::NewStub(client->channel());
+  v1::ListModelsResponse all;
+  std::vector<std::vector<std::string>> rows;
+  const absl::Status listed = ListAll<v1::ListModelsRequest, v1::ListModelsResponse>(
+      *client, [&](auto... a) { return stub->ListModels(a...); },
+      [&](const v1::ListModelsResponse& page) {
+        for (const v1::Model& model : page.models()) {
+          rows.push_back({model.name(), model.title(), absl::StrCat("revision ", model.revision()),
+                          absl::StrCat(model.components_size(), " components")});
+          *all.add_models() = model;
+        }
+      },
+      filters);
+  MORTISE_RETURN_IF_ERROR(listed);
+  output.Table({"name", "title", "revision", "components"}, rows);
+  output.DocumentOf(all);
+  return absl::OkStatus();
+}
+
+absl::Status Show(const ModelOptions& options, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Get(*client, options));
+  PrintModel(model, output);
+  for (const v1::ModelComponent& each : model.components()) {
+    PrintComponent(model, each.id(), output);
+  }
+  return WritePicture(*client, options, output);
+}
+
+absl::Status Add(const AddOptions& options, Session& session, Output& output) {
+  v1::AddComponentRequest request;
+  request.set_component_id(options.id);
+  request.set_template_(ResourceName("templates", options.subject));
+  request.set_template_revision(options.template_revision);
+  request.set_group(options.group);
+  if (!options.at.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*request.mutable_position(), ParseVector(options.at, "--at"));
+  }
+  for (const std::string& text : options.demands) {
+    MORTISE_ASSIGN_OR_RETURN(*request.add_demands(), ParseDemand(text));
+  }
+  return Change(&Stub::AddComponent, std::move(request), options, "", session, output);
+}
+
+absl::Status Snap(const NodeOptions& options, Session& session, Output& output) {
+  v1::SnapComponentRequest request;
+  request.set_component(options.component);
+  request.set_preview(options.preview);
+  return Change(&Stub::SnapComponent, std::move(request), options, options.component, session,
+                output);
+}
+
+absl::Status Connect(const NodeOptions& options, Session& session, Output& output) {
+  v1::ConnectComponentRequest request;
+  request.set_component(options.component);
+  return Change(&Stub::ConnectComponent, std::move(request), options, options.component, session,
+                output);
+}
+
+absl::Status Move(const NodeOptions& options, Session& session, Output& output) {
+  v1::MoveComponentRequest request;
+  request.set_component(options.component);
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_position(), ParseVector(options.at, "--at"));
+  return Change(&Stub::MoveComponent, std::move(request), options, "", session, output);
+}
+
+absl::Status Remove(const NodeOptions& options, Session& session, Output& output) {
+  v1::RemoveNodeRequest request;
+  request.set_component(options.component);
+  request.set_node(options.node);
+  return Change(&Stub::RemoveNode, std::move(request), options, "", session, output);
+}
+
+absl::Status Fork(const ForkOptions& options, Session& session, Output& output) {
+  v1::ForkModelRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_name(ResourceName("models", options.model));
+  request.set_model_id(options.id);
+  request.set_title(options.title);
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, &Stub::ForkModel, request));
+  PrintModel(model, output);
+  return absl::OkStatus();
+}
+
+absl::Status Save(const SaveOptions& options, Session& session, Output& output) {
+  v1::SaveModelRequest request;
+  request.set_template_id(options.id);
+  request.set_title(options.title);
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::SavedModel saved, Ask(*client, &Stub::SaveModel, request));
+  output.Line(absl::StrFormat("%s, revision %d, of %s", saved.template_(),
+                              saved.template_revision(), saved.assembly()));
+  output.DocumentOf(saved);
+  return WritePicture(*client, options, output);
+}
+
+absl::Status Delete(const ModelOptions& options, Session& session, Output& output) {
+  v1::DeleteModelRequest request;
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::DeleteModelResponse deleted,
+                           Ask(*client, &Stub::DeleteModel, request));
+  output.Line(absl::StrCat(request.name(), " deleted"));
+  output.DocumentOf(deleted);
+  return absl::OkStatus();
+}
+
+// ---- The command line --------------------------------------------------------------------------
+
+void AddNewAndList(CLI::App& compose, Session& session) {
+  auto made = std::make_shared<NewOptions>();
+  CommandFlags create(*compose.add_subcommand("new", "Begin an empty model"));
+  create.Add("model", made->id, "Its id, such as desk; chosen if absent", "model_id");
+  create.Add("--title", made->title, "Its title, for people", "title");
+  AddTagOptions(create, made->tags);
+  create.command().footer("Example: mortise compose new desk --title \"My desk\"");
+  create.Run(session, [made](Session& s, Output& o) { return New(*made, s, o); });
+
+  auto listed = std::make_shared<FilterOptions>();
+  CommandFlags list(*compose.add_subcommand("list", "The models there are"));
+  AddFilterOptions(list, *listed);
+  list.command().footer("Example: mortise compose list --creator ada");
+  list.Run(session, [listed](Session& s, Output& o) { return List(*listed, s, o); });
+}
+
+void AddShow(CLI::App& compose, Session& session) {
+  auto options = std::make_shared<ModelOptions>();
+  CommandFlags show(*compose.add_subcommand("show", "A model: its components and what is to know"));
+  AddModel(show, *options);
+  show.Add("--picture", options->picture, "PNG file for a picture of it");
+  show.command().footer("Example: mortise compose show desk --picture desk.png");
+  show.Run(session, [options](Session& s, Output& o) { return Show(*options, s, o); });
+}
+
+void AddAdd(CLI::App& compose, Session& session) {
+  auto options = std::make_shared<AddOptions>();
+  CommandFlags add(*compose.add_subcommand("add", "Drop a piece of a design into a model"));
+  AddChange(add, *options);
+  add.Add("template", options->subject, "Template of an assembly, such as bookshelf", "template")
+      ->required();
+  add.Add("--group", options->group, "Group, part or row of it; all of it if absent", "group");
+  add.Add("--id", options->id, "What it is called in the model", "component_id");
+  add.Add("--at", options->at,
+          "\"X, Y, Z\" of the middle of its lower side; where it is drawn if absent", "position");
+  add.Add("--set", options->demands, "ELEMENT.x=VALUE, a size that it shall have; may be repeated",
+          "demands");
+  add.Add("--template-revision", options->template_revision, "Revision; the latest if absent",
+          "template_revision");
+  add.command().footer(
+      "Example: mortise compose add desk bookshelf --group shelves --at \"0.4, 0.2, 0.5\"");
+  add.Run(session, [options](Session& s, Output& o) { return Add(*options, s, o); });
+}
+
+using NodeCommand = absl::Status (*)(const NodeOptions&, Session&, Output&);
+
+// The commands of a component that is not connected.
+void AddComponentCommand(CLI::App& compose, Session& session, const std::string& name,
+                         const std::string& help, const std::string& example, NodeCommand run) {
+  auto options = std::make_shared<NodeOptions>();
+  CommandFlags flags(*compose.add_subcommand(name, help));
+  AddChange(flags, *options);
+  flags.Add("component", options->component, "Component of the model", "component")->required();
+  if (name == "snap") {
+    flags.command().add_flag("--preview", options->preview, "Only tell what would become of it");
+  }
+  if (name == "move") {
+    flags.Add("--at", options->at, "\"X, Y, Z\" of the middle of its lower side", "position")
+        ->required();
+  }
+  flags.command().footer("Example: mortise compose " + example);
+  flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });
+}
+
+void AddRemove(CLI::App& compose, Session& session) {
+  auto options = std::make_shared<NodeOptions>();
+  CommandFlags remove(*compose.add_subcommand("remove", "Take a node or component out of a model"));
+  AddChange(remove, *options);
+  remove.Add("--node", options->node, "Element, group or part of what is connected", "node");
+  remove.Add("--component", options->component, "Or this one, which is not connected yet",
+             "component");
+  remove.command().footer("Example: mortise compose remove desk --node \"shelf 1\"");
+  remove.Run(session, [options](Session& s, Output& o) { return Remove(*options, s, o); });
+}
+
+template <typename Request>
+void AddHistoryCommand(CLI::App& compose, Session& session, const std::string& name,
+                       const std::string& help,
+                       grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
+                                                    v1::Model*)) {
+  auto options = std::make_shared<ModelOptions>();
+  CommandFlags flags(*compose.add_subcommand(name, help));
+  AddChange(flags, *options);
+  flags.command().footer("Example: mortise compose " + name + " desk");
+  flags.Run(session, [options, method](Session& s, Output& o) {
+    return Change(method, Request(), *options, "", s, o);
+  });
+}
+
+void AddForkAndDelete(CLI::App& compose, Session& session) {
+  auto forked = std::make_shared<ForkOptions>();
+  CommandFlags fork(*compose.add_subcommand("fork", "Make another model of the state of one"));
+  AddModel(fork, *forked);
+  fork.Add("id", forked->id, "Id of the new model; chosen if absent", "model_id");
+  fork.Add("--title", forked->title, "Its title, for people", "title");
+  fork.command().footer("Example: mortise compose fork desk higher-desk");
+  fork.Run(session, [forked](Session& s, Output& o) { return Fork(*forked, s, o); });
+
+  auto deleted = std::make_shared<ModelOptions>();
+  CommandFlags remove(*compose.add_subcommand("delete", "Remove a model with its history"));
+  AddModel(remove, *deleted);
+  remove.Add("--revision", deleted->revision,
+             "Only if the model has this revision; the present one if absent", "revision");
+  remove.command().footer("Example: mortise compose delete desk");
+  remove.Run(session, [deleted](Session& s, Output& o) { return Delete(*deleted, s, o); });
+}
+
+void AddSave(CLI::App& compose, Session& session) {
+  auto options = std::make_shared<SaveOptions>();
+  CommandFlags save(
+      *compose.add_subcommand("save", "Write a model into the catalog, as a template"));
+  AddChange(save, *options);
+  save.Add("--template", options->id, "Id of the template; that of the model if absent",
+           "template_id");
+  save.Add("--title", options->title, "Its title, for people; that of the model if absent",
+           "title");
+  save.command().footer("Example: mortise compose save desk --template desk-with-shelf");
+  save.Run(session, [options](Session& s, Output& o) { return Save(*options, s, o); });
+}
+
+}  // namespace
+
+void AddComposeCommands(CLI::App& app, Session& session) {
+  CLI::App& compose = *app.add_subcommand("compose", "New designs of pieces of others");
+  compose.require_subcommand(1);
+  compose.footer("Example: mortise compose new desk");
+  AddNewAndList(compose, session);
+  AddShow(compose, session);
+  AddAdd(compose, session);
+  AddComponentCommand(compose, session, "snap", "Fit a component to the rest",
+                      "snap desk shelf --picture snapped.png", Snap);
+  AddComponentCommand(compose, session, "connect", "Make a component part of the rest",
+                      "connect desk shelf", Connect);
+  AddComponentCommand(compose, session, "move", "Move a component that is not connected",
+                      "move desk shelf --at \"0.4, 0.2, 0.5\"", Move);
+  AddRemove(compose, session);
+  AddHistoryCommand(compose, session, "undo", "Go back to the state before the last change",
+                    &Stub::UndoModel);
+  AddHistoryCommand(compose, session, "redo", "Take back what was undone last", &Stub::RedoModel);
+  AddForkAndDelete(compose, session);
+  AddSave(compose, session);
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,74 @@
+#include "cli/commands/compose_output.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "cli/client/requests.h"
+
+namespace mortise::cli {
+namespace {
+
+// "900 x 300 x 1800 mm".
+std::string SizeText(const v1::Vector3& minimum, const v1::Vector3& maximum) {
+  return absl::StrFormat("%.4g x %.4g x %.4g mm", 1000 * (maximum.x() - minimum.x()),
+                         1000 * (maximum.y() - minimum.y()), 1000 * (maximum.z() - minimum.z()));
+}
+
+std::string PlaceText(const v1::Vector3& minimum) {
+  return absl::StrFormat("%.4g, %.4g, %.4g mm", 1000 * minimum.x(), 1000 * minimum.y(),
+                         1000 * minimum.z());
+}
+
+std::string OriginText(const v1::ModelComponent& component) {
+  return absl::StrCat(component.template_(), component.group().empty() ? "" : ", ",
+                      component.group());
+}
+
+std::string PartsText(const v1::Model& model, const std::string& component) {
+  const auto is_its = [&](const v1::ModelPart& part) { return part.component() == component; };
+  const auto parts = std::count_if(model.parts().begin(), model.parts().end(), is_its);
+  return absl::StrCat(parts);
+}
+
+}  // namespace
+
+void PrintModel(const v1::Model& model, Output& output) {
+  output.Line(absl::StrCat(model.name(), ", revision ", model.revision(), ": ", model.last_step(),
+                           model.title().empty() ? "" : absl::StrCat(" (", model.title(), ")")));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ModelComponent& component : model.components()) {
+    rows.push_back({component.id(), OriginText(component),
+                    absl::AsciiStrToLower(v1::ModelComponent::State_Name(component.state())),
+                    PartsText(model, component.id()),
+                    SizeText(component.minimum(), component.maximum()),
+                    PlaceText(component.minimum())});
+  }
+  output.Table({"component", "of", "state", "parts", "size", "from"}, rows);
+  for (const v1::ModelWarning& warning : model.warnings()) {
+    output.Line(absl::StrCat("warning: '", warning.element(), "' of ", warning.component(),
+                             " and '", warning.other_element(), "': ", warning.text()));
+  }
+  output.DocumentOf(model);
+}
+
+void PrintComponent(const v1::Model& model, const std::string& component, const Output& output) {
+  for (const v1::ModelComponent& each : model.components()) {
+    if (each.id() != component) continue;
+    for (const v1::SnapAlignment& alignment : each.alignments()) {
+      output.Line(absl::StrCat("  ", alignment.text()));
+    }
+    for (const v1::ModelConnection& connection : each.connections()) {
+      output.Line(absl::StrFormat(
+          "  %s: as %s of %s, %d parts%s", absl::StrJoin(connection.principals(), " with "),
+          connection.copy_of(), connection.source(), connection.parts_size(),
+          connection.moved_by() > 0 ? ", moved by " + Millimetres(connection.moved_by()) : ""));
+    }
+  }
+}
+
+}  // namespace mortise::cli

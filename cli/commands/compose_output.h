@@ -1,0 +1,16 @@
+// What `mortise compose` prints of a model.
+#pragma once
+
+#include "cli/client/output.h"
+#include "mortise/v1/composer.pb.h"
+
+namespace mortise::cli {
+
+// Prints a model for people: what made it so, its components, and what they should know of it. The
+// whole of it is the document.
+void PrintModel(const v1::Model& model, Output& output);
+
+// Prints what a component snapped by, or was connected by.
+void PrintComponent(const v1::Model& model, const std::string& component, const Output& output);
+
+}  // namespace mortise::cli

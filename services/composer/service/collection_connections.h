@@ -1,0 +1,52 @@
+// The connections of all assemblies that the catalog has templates of: what a component is
+// connected by where its own design does not say how (thesis §5.6.1).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/base/single_flight_cache.h"
+#include "common/rpc/channel.h"
+#include "services/composer/connecting/part_connection.h"
+#include "services/composer/service/model_drawings.h"
+#include "services/composer/service/origin_source.h"
+
+namespace mortise::composer {
+
+// An assembly with its connections.
+struct ConnectionOrigin {
+  std::shared_ptr<const Drawing> drawing;
+  std::shared_ptr<const Connections> connections;
+};
+
+// By the name of the assembly: "assemblies/bookshelf".
+using ConnectionOrigins = std::map<std::string, ConnectionOrigin>;
+
+// Thread safe.
+class CollectionConnections {
+ public:
+  // All outlive it. `capacity`: bytes of drawings that are kept with their connections.
+  CollectionConnections(std::shared_ptr<grpc::Channel> catalog, OriginSource* origins,
+                        ModelDrawings* drawings, std::size_t capacity = std::size_t{256} << 20);
+
+  // The assemblies that the caller's templates are of now; each once, as the template that comes
+  // last by name has it. What cannot be read, or was removed meanwhile, is left out. The first call
+  // takes some 50 ms an assembly. UNAVAILABLE; CANCELLED once `is_given_up`.
+  absl::StatusOr<ConnectionOrigins> All(const rpc::Origin& caller, const IsGivenUp& is_given_up);
+
+ private:
+  absl::StatusOr<ConnectionOrigin> Read(const std::string& name, std::int64_t revision,
+                                        const rpc::Origin& caller);
+
+  const std::shared_ptr<grpc::Channel> catalog_;
+  OriginSource* const origins_;
+  ModelDrawings* const drawings_;
+  SingleFlightCache<ConnectionOrigin> kept_;  // by name and revision of the template
+};
+
+}  // namespace mortise::composer

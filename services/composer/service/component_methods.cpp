@@ -1,0 +1,354 @@
+#include "services/composer/service/component_methods.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "common/assembly/codec/parametrization_codec.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
+#include "common/design/template_validation.h"
+#include "common/messages/vector_codec.h"
+#include "services/composer/connecting/connect.h"
+#include "services/composer/service/new_body.h"
+#include "services/composer/snapping/snap.h"
+
+namespace mortise::composer::methods {
+namespace {
+
+constexpr int kMostDemands = 100;
+constexpr int kMostLoose = 50;
+constexpr std::size_t kMostParts = 2000;
+constexpr std::size_t kLongestId = 50;  // of those that are made here; a number may follow
+
+IsGivenUp GivenUpWith(const rpc::Call& call) {
+  return [&call] { return call.cancelled(); };
+}
+
+absl::Status CheckPosition(const v1::Vector3& position, const std::string& field) {
+  if (VectorFromProto(position).cwiseAbs().maxCoeff() <= parametric::kFurthestFromOrigin) {
+    return absl::OkStatus();
+  }
+  return InvalidField(field, absl::StrCat("must be within ", parametric::kFurthestFromOrigin,
+                                          " m of the origin along each axis"));
+}
+
+absl::Status CheckAddition(const v1::AddComponentRequest& asked) {
+  std::vector<FieldViolation> findings;
+  if (!asked.component_id().empty() && !IsResourceId(asked.component_id())) {
+    findings.push_back({"component_id",
+                        "must be 1 to 63 lower-case letters, digits and hyphens, and begin and end "
+                        "with a letter or digit"});
+  }
+  if (asked.demands_size() > kMostDemands) {
+    findings.push_back({"demands", absl::StrCat("are more than ", kMostDemands)});
+  }
+  return CombineViolations(CombineViolations(parametric::ToStatus(findings),
+                                             CheckPosition(asked.position(), "position")),
+                           ParseResourceName(asked.template_(), "templates", "template").status());
+}
+
+// The letters of ids that a name has, such as "left-drawer" of "Left drawer".
+std::string IdOf(const std::string& name) {
+  std::string id;
+  for (const char letter : absl::AsciiStrToLower(name)) {
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0) {
+      id += letter;
+    } else if (!id.empty() && id.back() != '-') {
+      id += '-';
+    }
+  }
+  id = id.substr(0, kLongestId);
+  while (!id.empty() && id.back() == '-') id.pop_back();
+  return id.empty() ? "component" : id;
+}
+
+bool HasComponent(const OpenModel& model, const std::string& id) {
+  return std::any_of(model.components.begin(), model.components.end(),
+                     [&](const v1::ModelComponent& component) { return component.id() == id; });
+}
+
+// The id of a new component: the one wanted, or one made of where it comes from.
+absl::StatusOr<std::string> NewId(const OpenModel& model, const v1::AddComponentRequest& asked,
+                                  const std::string& group) {
+  if (!asked.component_id().empty()) {
+    if (!HasComponent(model, asked.component_id())) return asked.component_id();
+    return InvalidField("component_id", absl::StrCat("'", asked.component_id(), "' is in ",
+                                                     model.name, " already"));
+  }
+  const std::string origin = asked.template_().substr(asked.template_().find('/') + 1);
+  const std::string base = IdOf(group.empty() ? origin : group);
+  std::string id = base;
+  for (int number = 2; HasComponent(model, id); ++number) id = absl::StrCat(base, "-", number);
+  return id;
+}
+
+// Whether what the model has is made of the same items as the origin. ITEM_DIFFERS.
+absl::Status CheckItems(const OpenModel& model, const Drawing& origin, ModelDrawings& drawings) {
+  v1::AssemblyBundle together = origin.bundle;
+  std::vector<std::string> digests;
+  if (model.body) digests.push_back(model.body->drawing);
+  for (const OpenLoose& loose : model.loose) digests.push_back(loose.part.drawing);
+  for (const std::string& digest : digests) {
+    MORTISE_ASSIGN_OR_RETURN(const auto drawing, drawings.Get(model.name, digest));
+    MORTISE_RETURN_IF_ERROR(CombineItems(drawing->bundle, &together));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRoom(const OpenModel& model, const Design& added) {
+  if (model.loose.size() >= kMostLoose) {
+    return TooLarge("the model", absl::StrCat(kMostLoose, " components that are not connected"));
+  }
+  std::size_t parts = PartsOf(added).size();
+  if (model.body) parts += PartsOf(model.body->design).size();
+  for (const OpenLoose& loose : model.loose) parts += PartsOf(loose.part.design).size();
+  if (parts <= kMostParts) return absl::OkStatus();
+  return TooLarge("the model", absl::StrCat(kMostParts, " parts"));
+}
+
+// The component as it was asked for: its sizes, and where it is dropped.
+absl::StatusOr<Design> Dropped(std::shared_ptr<const parametric::ParametricAssembly> assembly,
+                               const v1::AddComponentRequest& asked) {
+  Design design;
+  design.assembly = std::move(assembly);
+  design.q = design.assembly->drawn();
+  if (asked.demands_size() > 0) {
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
+                             parametric::FromProto(asked.demands()));
+    MORTISE_ASSIGN_OR_RETURN(
+        parametric::Adjustment adjusted,
+        design.assembly->Adjust(design.q, demands, parametric::DemandPolicy::kStrict));
+    design.q = std::move(adjusted.q);
+  }
+  if (asked.has_position()) MoveTo(VectorFromProto(asked.position()), &design);
+  return design;
+}
+
+// The whole design that a component is a sub-tree of; nothing where it is all of it.
+absl::StatusOr<std::optional<Design>> WholeOf(const OpenModel& model, const OpenDesign& part,
+                                              ModelDrawings& drawings,
+                                              const IsGivenUp& is_given_up) {
+  if (part.group.empty()) return std::nullopt;
+  MORTISE_ASSIGN_OR_RETURN(const auto drawing, drawings.Get(model.name, part.drawing));
+  Design whole;
+  MORTISE_ASSIGN_OR_RETURN(whole.assembly, drawings.Parametrize(*drawing, "", is_given_up));
+  whole.q = whole.assembly->drawn();
+  return whole;
+}
+
+// Leaves out the assemblies that are made of other revisions of items than the model, with other
+// sizes: what is carried over from them would not fit.
+void LeaveOutOtherItems(const Drawing& body, const Drawing& origin, ConnectionOrigins& sources) {
+  v1::AssemblyBundle together = body.bundle;
+  if (!CombineItems(origin.bundle, &together).ok()) return;  // AddComponent has seen to that
+  std::erase_if(sources, [&](const auto& source) {
+    v1::AssemblyBundle with = together;
+    return !CombineItems(source.second.drawing->bundle, &with).ok();
+  });
+}
+
+// All connections of some assemblies.
+std::vector<const CollectionConnection*> ConnectionsOf(const ConnectionOrigins& sources) {
+  std::vector<const CollectionConnection*> connections;
+  for (const auto& [name, origin] : sources) {
+    for (const CollectionConnection& each : *origin.connections) connections.push_back(&each);
+  }
+  return connections;
+}
+
+// How a component is connected whose connections come from these assemblies.
+ConnectOptions OptionsFor(const Drawing& body, const ConnectionOrigins& sources) {
+  std::map<std::string, std::string> materials;
+  const auto add = [&](const Drawing& drawing) {
+    for (const v1::Item& item : drawing.bundle.items()) materials[item.name()] = item.material();
+  };
+  for (const auto& [name, origin] : sources) add(*origin.drawing);
+  add(body);
+  ConnectOptions options;
+  options.material_of = [materials = std::move(materials)](const std::string& item) {
+    const auto found = materials.find(item);
+    return found == materials.end() ? std::string() : found->second;
+  };
+  return options;
+}
+
+void SetAlignments(const std::vector<Alignment>& alignments, v1::ModelComponent* component) {
+  component->clear_alignments();
+  for (const Alignment& alignment : alignments) {
+    v1::SnapAlignment* const added = component->add_alignments();
+    added->set_element(alignment.component_element);
+    added->set_plane(alignment.component_plane);
+    added->set_other_element(alignment.body_element);
+    added->set_other_plane(alignment.body_plane);
+    added->set_axis(static_cast<v1::Axis>(static_cast<int>(alignment.axis) + v1::X));
+    added->set_moved_by(alignment.moved_by);
+    added->set_from_original(alignment.from_original);
+    added->set_text(alignment.text);
+  }
+}
+
+// What clients are told of how a component was connected.
+void TellOf(const Connected& connected, v1::ModelComponent* component, OpenModel* model) {
+  component->set_state(v1::ModelComponent::CONNECTED);
+  component->clear_alignments();
+  component->set_node(connected.group);
+  for (const MadeConnection& made : connected.connections) {
+    v1::ModelConnection* const added = component->add_connections();
+    added->mutable_principals()->Assign(made.principals.begin(), made.principals.end());
+    added->set_source(made.source);
+    added->set_copy_of(made.as);
+    added->mutable_parts()->Assign(made.parts.begin(), made.parts.end());
+    added->set_moved_by(made.moved_by);
+  }
+  for (const ConnectionWarning& warning : connected.warnings) {
+    v1::ModelWarning& added = model->warnings.emplace_back();
+    added.set_component(component->id());
+    added.set_element(warning.second);
+    added.set_other_element(warning.first);
+    added.set_text(warning.text);
+  }
+}
+
+// Whatever moves or resizes a component makes it one that has not snapped.
+void SetPlaced(OpenModel& model, const std::string& id) {
+  for (v1::ModelComponent& component : model.components) {
+    if (component.id() != id) continue;
+    component.set_state(v1::ModelComponent::PLACED);
+    component.clear_alignments();
+  }
+}
+
+// What is said of a model that has no body.
+absl::Status CheckBody(const OpenModel& model) {
+  if (model.body) return absl::OkStatus();
+  return PreconditionFailed("MODEL_EMPTY", absl::StrCat("nothing is in ", model.name, " yet"),
+                            "name");
+}
+
+}  // namespace
+
+absl::StatusOr<ModelChange> AddComponent(const Composer& composer, const rpc::Call& call,
+                                         const v1::AddComponentRequest& asked) {
+  MORTISE_RETURN_IF_ERROR(CheckAddition(asked));
+  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
+  OpenModel& model = at_work.model;
+  MORTISE_ASSIGN_OR_RETURN(
+      const ComponentOrigin origin,
+      composer.origins.Get(asked.template_(), asked.template_revision(), rpc::ForwardedFrom(call)));
+  const std::string& group = asked.group().empty() ? origin.group : asked.group();
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, NewId(model, asked, group));
+  MORTISE_RETURN_IF_ERROR(CheckItems(model, *origin.drawing, composer.drawings));
+  MORTISE_ASSIGN_OR_RETURN(
+      auto assembly, composer.drawings.Parametrize(*origin.drawing, group, GivenUpWith(call)));
+  MORTISE_ASSIGN_OR_RETURN(Design design, Dropped(std::move(assembly), asked));
+  MORTISE_RETURN_IF_ERROR(CheckRoom(model, design));
+  v1::ModelComponent& component = model.components.emplace_back();
+  component.set_id(id);
+  component.set_template_(origin.template_name);
+  component.set_template_revision(origin.revision);
+  component.set_group(group);
+  OpenDesign part{origin.drawing->digest, group, std::move(design)};
+  if (model.body) {
+    component.set_state(v1::ModelComponent::PLACED);
+    model.loose.push_back({id, std::move(part)});
+  } else {
+    component.set_state(v1::ModelComponent::CONNECTED);
+    for (const parametric::AssemblyPart& each : part.design.assembly->assembly().parts) {
+      model.owners[each.name] = id;
+    }
+    model.body = std::move(part);
+  }
+  return at_work.Done(absl::StrCat("add ", id), {origin.drawing});
+}
+
+absl::StatusOr<ModelChange> SnapComponent(const Composer& composer, const rpc::Call& call,
+                                          const v1::SnapComponentRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
+  OpenModel& model = at_work.model;
+  MORTISE_ASSIGN_OR_RETURN(OpenLoose* const loose, FindLoose(model, asked.component()));
+  MORTISE_ASSIGN_OR_RETURN(const std::optional<Design> whole,
+                           WholeOf(model, loose->part, composer.drawings, GivenUpWith(call)));
+  MORTISE_ASSIGN_OR_RETURN(Snapped snapped, Snap(loose->part.design, whole ? &*whole : nullptr,
+                                                 model.body->design, SnapOptions()));
+  loose->part.design = std::move(snapped.component);
+  MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
+                           FindComponent(model, asked.component()));
+  component->set_state(v1::ModelComponent::SNAPPED);
+  SetAlignments(snapped.alignments, component);
+  ModelChange change = at_work.Done(absl::StrCat("snap ", asked.component()));
+  change.preview = asked.preview();
+  return change;
+}
+
+absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc::Call& call,
+                                             const v1::ConnectComponentRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
+  OpenModel& model = at_work.model;
+  ModelDrawings& drawings = composer.drawings;
+  MORTISE_ASSIGN_OR_RETURN(OpenLoose* const loose, FindLoose(model, asked.component()));
+  MORTISE_ASSIGN_OR_RETURN(const auto body, drawings.Get(model.name, model.body->drawing));
+  MORTISE_ASSIGN_OR_RETURN(const auto origin, drawings.Get(model.name, loose->part.drawing));
+  MORTISE_ASSIGN_OR_RETURN(std::optional<Design> whole,
+                           WholeOf(model, loose->part, drawings, GivenUpWith(call)));
+  MORTISE_ASSIGN_OR_RETURN(const auto own, drawings.ConnectionsIn(*origin));
+  const std::string& source = origin->bundle.assembly().name();
+  std::optional<Original> original;
+  if (whole) original = Original{source, *std::move(whole), *own};
+  MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
+                           composer.collection.All(rpc::ForwardedFrom(call), GivenUpWith(call)));
+  // The component's design as it was when it was added, whatever has become of it.
+  sources[source] = {origin, own};
+  LeaveOutOtherItems(*body, *origin, sources);
+  MORTISE_ASSIGN_OR_RETURN(
+      const Connected connected,
+      Connect(model.body->design, loose->part.design, asked.component(),
+              original ? &*original : nullptr, ConnectionsOf(sources), OptionsFor(*body, sources)));
+  MORTISE_ASSIGN_OR_RETURN(const auto drawing,
+                           TakeConnected(connected, asked.component(), {*body, *origin, sources},
+                                         drawings, GivenUpWith(call), &model));
+  MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
+                           FindComponent(model, asked.component()));
+  TellOf(connected, component, &model);
+  return at_work.Done(absl::StrCat("connect ", asked.component()), {drawing});
+}
+
+absl::StatusOr<ModelChange> MoveComponent(const Composer& composer, const rpc::Call& call,
+                                          const v1::MoveComponentRequest& asked) {
+  if (!asked.has_position()) return InvalidField("position", "is missing");
+  MORTISE_RETURN_IF_ERROR(CheckPosition(asked.position(), "position"));
+  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
+  MORTISE_ASSIGN_OR_RETURN(OpenLoose* const loose, FindLoose(at_work.model, asked.component()));
+  MoveTo(VectorFromProto(asked.position()), &loose->part.design);
+  SetPlaced(at_work.model, asked.component());
+  return at_work.Done(absl::StrCat("move ", asked.component()));
+}
+
+absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call& call,
+                                       const v1::RemoveNodeRequest& asked) {
+  if (asked.component().empty() == asked.node().empty()) {
+    return InvalidField("node", "must be given, or else a component that is not connected");
+  }
+  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
+  OpenModel& model = at_work.model;
+  if (!asked.component().empty()) {
+    MORTISE_RETURN_IF_ERROR(FindLoose(model, asked.component()).status());
+    const auto is_it = [&](const auto& component) { return component.id() == asked.component(); };
+    std::erase_if(model.loose, [&](const OpenLoose& each) { return each.id == asked.component(); });
+    std::erase_if(model.components, is_it);
+    return at_work.Done(absl::StrCat("remove ", asked.component()));
+  }
+  MORTISE_RETURN_IF_ERROR(CheckBody(model));
+  MORTISE_ASSIGN_OR_RETURN(const auto drawing,
+                           TakeWithout(asked.node(), composer.drawings, GivenUpWith(call), &model));
+  return at_work.Done(absl::StrCat("remove ", asked.node()), {drawing});
+}
+
+}  // namespace mortise::composer::methods

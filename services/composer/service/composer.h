@@ -1,0 +1,20 @@
+// What the methods of ComposerService stand on. All of it outlives them.
+#pragma once
+
+#include <memory>
+
+#include "services/composer/service/collection_connections.h"
+#include "services/composer/service/model_drawings.h"
+#include "services/composer/service/origin_source.h"
+
+namespace mortise::composer {
+
+struct Composer {
+  store::Store* store;
+  ModelDrawings& drawings;
+  OriginSource& origins;
+  CollectionConnections& collection;
+  const std::shared_ptr<grpc::Channel>& catalog;
+};
+
+}  // namespace mortise::composer

@@ -1,0 +1,57 @@
+// A model while it is worked on: its designs, parametrised.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "model_state.pb.h"
+#include "mortise/v1/composer.pb.h"
+#include "services/composer/model/design.h"
+#include "services/composer/service/model_drawings.h"
+#include "services/composer/service/model_records.h"
+
+namespace mortise::composer {
+
+// A design of a model, and what it is drawn in.
+struct OpenDesign {
+  std::string drawing;  // digest
+  std::string group;    // node of the drawing; empty for the whole
+  Design design;
+};
+
+struct OpenLoose {
+  std::string id;  // of v1::ModelComponent
+  OpenDesign part;
+};
+
+struct OpenModel {
+  std::string name;                           // models/{id}
+  std::optional<OpenDesign> body;             // what is connected; none of an empty model
+  std::map<std::string, std::string> owners;  // component of each part of the body as drawn
+  std::vector<OpenLoose> loose;               // components that are not connected
+  std::vector<v1::ModelComponent> components;
+  std::vector<v1::ModelWarning> warnings;
+};
+
+// Parametrises what a model is made of; what was used lately is at hand. Fails as
+// ModelDrawings::DesignOf.
+absl::StatusOr<OpenModel> Open(const StoredModel& stored, ModelDrawings& drawings,
+                               const IsGivenUp& is_given_up);
+
+// Returns the state of a model as it is now, with what clients see of it.
+ModelState StateOf(const OpenModel& model);
+
+// Returns the component of an id. INVALID_ARGUMENT, "component".
+absl::StatusOr<v1::ModelComponent*> FindComponent(OpenModel& model, const std::string& id);
+
+// Returns the component, which must not be connected. INVALID_ARGUMENT; FAILED_PRECONDITION,
+// COMPONENT_CONNECTED.
+absl::StatusOr<OpenLoose*> FindLoose(OpenModel& model, const std::string& id);
+
+// Moves a design so that the middle of the lower side of its box is there, m.
+void MoveTo(const Eigen::Vector3d& position, Design* design);
+
+}  // namespace mortise::composer

@@ -1,0 +1,184 @@
+// A table is taken apart and composed again, and comes out as a template that can be built:
+// mortise-composer as a real process, beside a catalog.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "common/base/errors.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
+#include "tests/integration/services/composer/composer_house.h"
+
+namespace mortise::testing {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::Not;
+using Stub = v1::ComposerService::Stub;
+
+class ComposerServiceTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { house_ = std::make_unique<ComposerHouse>(); }
+  static void TearDownTestSuite() { house_.reset(); }
+
+  // A model of the table's frame, with its top dropped a little off its place.
+  static v1::Model Dropped(const std::string& id) {
+    const v1::Model empty = house_->New(id);
+    const auto frame = house_->Add(empty, "dining-table", "frame", "frame");
+    EXPECT_TRUE(frame.ok()) << frame.status();
+    v1::AddComponentRequest top;
+    top.set_template_("templates/dining-table");
+    top.set_group("top");
+    top.set_component_id("top");
+    top.mutable_position()->set_x(0.8 + 0.02);
+    top.mutable_position()->set_y(0.45 - 0.015);
+    top.mutable_position()->set_z(0.712 + 0.025);
+    const auto dropped = house_->Change(&Stub::AddComponent, frame.value_or(empty), top);
+    EXPECT_TRUE(dropped.ok()) << dropped.status();
+    return dropped.value_or(empty);
+  }
+
+  // The same, snapped and connected.
+  static v1::Model Composed(const std::string& id) {
+    v1::Model model = Dropped(id);
+    for (const auto step : {&ComposerHouse::Snap, &ComposerHouse::Connect}) {
+      const auto changed = (house_.get()->*step)(model, "top");
+      EXPECT_TRUE(changed.ok()) << changed.status();
+      model = changed.value_or(model);
+    }
+    return model;
+  }
+
+  static std::multiset<std::string> ItemsOf(const v1::Model& model) {
+    std::multiset<std::string> items;
+    for (const v1::ModelPart& part : model.parts()) items.insert(part.item());
+    return items;
+  }
+
+  static std::unique_ptr<ComposerHouse> house_;
+};
+
+std::unique_ptr<ComposerHouse> ComposerServiceTest::house_;
+
+TEST_F(ComposerServiceTest, AComponentStaysLooseUntilItIsConnected) {
+  const v1::Model model = Dropped("loose");
+  ASSERT_EQ(model.components_size(), 2);
+  EXPECT_EQ(ComponentOf(model, "frame").state(), v1::ModelComponent::CONNECTED);
+  const v1::ModelComponent top = ComponentOf(model, "top");
+  EXPECT_EQ(top.state(), v1::ModelComponent::PLACED);
+  EXPECT_EQ(top.template_(), "templates/dining-table");
+  EXPECT_EQ(top.template_revision(), 1);
+  EXPECT_EQ(top.group(), "top");
+  EXPECT_NEAR(top.minimum().x() + top.maximum().x(), 2 * 0.82, 1e-9);
+  EXPECT_NEAR(top.minimum().z(), 0.737, 1e-9);
+  // The frame comes without what held the top.
+  for (const v1::ModelPart& part : model.parts()) {
+    EXPECT_THAT(part.name(), Not(::testing::HasSubstr("bracket")));
+  }
+}
+
+TEST_F(ComposerServiceTest, SnappingPutsTheTopWhereItWas) {
+  const v1::Model dropped = Dropped("snapped");
+  v1::SnapComponentRequest request;
+  request.set_component("top");
+  request.set_preview(true);
+  const auto preview = house_->Change(&Stub::SnapComponent, dropped, request);
+  ASSERT_TRUE(preview.ok()) << preview.status();
+  EXPECT_EQ(preview->revision(), dropped.revision());
+  EXPECT_EQ(house_->Get(dropped.name())->digest(), dropped.digest());
+  const auto snapped = house_->Snap(dropped, "top");
+  ASSERT_TRUE(snapped.ok()) << snapped.status();
+  const v1::ModelComponent top = ComponentOf(*snapped, "top");
+  EXPECT_EQ(top.state(), v1::ModelComponent::SNAPPED);
+  EXPECT_THAT(top.alignments(), Not(IsEmpty()));
+  EXPECT_NEAR(top.minimum().z(), 0.712, 1e-6);
+  const v1::ModelComponent foreseen = ComponentOf(*preview, "top");
+  EXPECT_EQ(foreseen.minimum().SerializeAsString(), top.minimum().SerializeAsString());
+  EXPECT_EQ(foreseen.maximum().SerializeAsString(), top.maximum().SerializeAsString());
+}
+
+TEST_F(ComposerServiceTest, ConnectingBringsWhatHeldTheTop) {
+  const v1::Model model = Composed("connected");
+  EXPECT_THAT(model.warnings(), IsEmpty());
+  const v1::ModelComponent top = ComponentOf(model, "top");
+  EXPECT_EQ(top.state(), v1::ModelComponent::CONNECTED);
+  EXPECT_THAT(top.connections(), Not(IsEmpty()));
+  for (const v1::ModelConnection& connection : top.connections()) {
+    EXPECT_EQ(connection.source(), "assemblies/dining-table");
+  }
+  // All that the table is made of, and nothing else.
+  v1::Model whole = house_->New("whole");
+  whole = house_->Add(whole, "dining-table", "", "table").value_or(whole);
+  EXPECT_EQ(ItemsOf(model), ItemsOf(whole));
+}
+
+TEST_F(ComposerServiceTest, WhatIsRemovedTakesItsConnectionsAlong) {
+  const v1::Model model = Composed("removed");
+  v1::RemoveNodeRequest request;
+  request.set_node(ComponentOf(model, "top").node());
+  const auto rest = house_->Change(&Stub::RemoveNode, model, request);
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  EXPECT_EQ(rest->components_size(), 1);
+  v1::Model frame = house_->New("frame");
+  frame = house_->Add(frame, "dining-table", "frame", "frame").value_or(frame);
+  EXPECT_EQ(ItemsOf(*rest), ItemsOf(frame));
+}
+
+TEST_F(ComposerServiceTest, WhatIsSavedIsATemplateLikeAnyOther) {
+  const v1::Model model = Composed("saved");
+  const auto saved = house_->Save(model, "composed-table");
+  ASSERT_TRUE(saved.ok()) << saved.status();
+  EXPECT_EQ(saved->template_(), "templates/composed-table");
+  EXPECT_EQ(saved->template_revision(), 1);
+  EXPECT_EQ(house_->Get(model.name())->saved().digest(), model.digest());
+  v1::EvaluateTemplateRequest evaluate;
+  evaluate.set_name(saved->template_());
+  const auto design =
+      Call(house_->catalog(), &v1::CatalogService::Stub::EvaluateTemplate, evaluate);
+  ASSERT_TRUE(design.ok()) << design.status();
+  EXPECT_EQ(design->parts_size(), model.parts_size());
+  // It is composed of like any other.
+  v1::Model next = house_->New("next");
+  EXPECT_TRUE(house_->Add(next, "composed-table", "", "table").ok());
+  // The same again is the revision that is there.
+  const auto again = house_->Save(*house_->Get(model.name()), "composed-table");
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->template_revision(), 1);
+}
+
+TEST_F(ComposerServiceTest, WhatIsSavedCanBeMade) {
+  const auto saved = house_->Save(Composed("planned"), "planned-table");
+  ASSERT_TRUE(saved.ok()) << saved.status();
+  ServiceUnderTest planner("mortise-fabplanner",
+                           {"--peer=catalog=" + house_->catalog_process().address()});
+  const auto fabplanner = v1::FabPlannerService::NewStub(planner.channel());
+  v1::CreatePlanRequest request;
+  request.set_request_id("plan");
+  request.set_template_(saved->template_());
+  const auto started = Call(*fabplanner, &v1::FabPlannerService::Stub::CreatePlan, request);
+  ASSERT_TRUE(started.ok()) << started.status();
+  const auto operations = v1::OperationService::NewStub(planner.channel());
+  v1::WaitOperationRequest wait;
+  wait.set_name(started->name());
+  wait.set_timeout_seconds(120);
+  const auto done = Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
+  ASSERT_TRUE(done.ok()) << done.status();
+  EXPECT_EQ(done->state(), v1::Operation::SUCCEEDED) << done->ShortDebugString();
+}
+
+TEST_F(ComposerServiceTest, IsDrawnWithAColourForEachComponent) {
+  const v1::Model model = Dropped("drawn");
+  v1::DrawModelRequest request;
+  request.set_name(model.name());
+  request.set_width(320);
+  const auto picture = Call(house_->composer(), &Stub::DrawModel, request);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  EXPECT_EQ(picture->revision(), model.revision());
+  EXPECT_EQ(picture->png().substr(1, 3), "PNG");
+}
+
+}  // namespace
+}  // namespace mortise::testing
