@@ -9,8 +9,8 @@
 #include "absl/status/statusor.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/descriptors/descriptor.h"
-#include "services/retrieval/service/template_source.h"
 
 namespace mortise::retrieval {
 

@@ -12,12 +12,12 @@
 #include "common/base/logging.h"
 #include "common/base/violation_lists.h"
 #include "common/host/operation_codec.h"
+#include "services/retrieval/catalog/template_names.h"
 #include "services/retrieval/families/family_cover.h"
 #include "services/retrieval/service/cover_plan.h"
 #include "services/retrieval/service/index_assembly.h"
 #include "services/retrieval/service/index_covering.h"
 #include "services/retrieval/service/index_records.h"
-#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval {
 namespace {

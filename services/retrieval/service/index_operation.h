@@ -13,8 +13,8 @@
 #include "common/host/run_service.h"
 #include "common/operations/operations.h"
 #include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/descriptors/descriptor.h"
-#include "services/retrieval/service/template_source.h"
 
 namespace mortise::store {
 class BlobFolder;

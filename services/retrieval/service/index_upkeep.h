@@ -11,7 +11,7 @@
 #include "common/host/run_service.h"
 #include "common/store/store.h"
 #include "mortise/v1/retrieval.pb.h"
-#include "services/retrieval/service/template_source.h"
+#include "services/retrieval/catalog/template_source.h"
 
 namespace grpc {
 class Channel;

@@ -8,11 +8,11 @@
 #include "common/base/single_flight_cache.h"
 #include "common/design/evaluated_design.h"
 #include "common/rpc/call.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/filters/design_filter.h"
 #include "services/retrieval/filters/filtered_search.h"
 #include "services/retrieval/index/primitive_index.h"
 #include "services/retrieval/service/loaded_indexes.h"
-#include "services/retrieval/service/template_source.h"
 
 namespace mortise::retrieval {
 

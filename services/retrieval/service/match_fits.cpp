@@ -9,11 +9,11 @@
 
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
+#include "services/retrieval/catalog/template_names.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
 #include "services/retrieval/families/family_surfaces.h"
 #include "services/retrieval/fit/fit.h"
 #include "services/retrieval/index/family_primitives.h"
-#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval {
 namespace {

@@ -9,11 +9,11 @@
 #include "common/rpc/call.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/retrieval.pb.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/families/match_sheet.h"
 #include "services/retrieval/index/primitive_index.h"
 #include "services/retrieval/service/loaded_indexes.h"
 #include "services/retrieval/service/query_shape.h"
-#include "services/retrieval/service/template_source.h"
 
 namespace mortise::retrieval {
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/host/run_service.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/service/loaded_indexes.h"
 #include "services/retrieval/service/match_designs.h"
-#include "services/retrieval/service/template_source.h"
 #include "services/retrieval/service/uploaded_meshes.h"
 
 namespace mortise::store {

@@ -10,7 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "services/retrieval/service/template_names.h"
+#include "services/retrieval/catalog/template_names.h"
 
 namespace mortise::retrieval {
 namespace {

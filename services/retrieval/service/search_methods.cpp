@@ -7,13 +7,13 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
+#include "services/retrieval/catalog/template_names.h"
 #include "services/retrieval/families/design_surface.h"
 #include "services/retrieval/families/match_sheet.h"
 #include "services/retrieval/service/match_designs.h"
 #include "services/retrieval/service/match_fits.h"
 #include "services/retrieval/service/query_shape.h"
 #include "services/retrieval/service/search_filter.h"
-#include "services/retrieval/service/template_names.h"
 
 namespace mortise::retrieval::methods {
 namespace {

@@ -10,8 +10,8 @@
 #include "common/rpc/chunk_sender.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/service/cover_making.h"
-#include "services/retrieval/service/template_source.h"
 
 namespace mortise::retrieval {
 namespace {

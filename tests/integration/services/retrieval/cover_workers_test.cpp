@@ -11,9 +11,9 @@
 #include "absl/time/clock.h"
 #include "common/base/errors.h"
 #include "common/store/store.h"
+#include "services/retrieval/catalog/template_source.h"
 #include "services/retrieval/service/cover_making.h"
 #include "services/retrieval/service/cover_queue.h"
-#include "services/retrieval/service/template_source.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/retrieval/retrieval_house.h"
 

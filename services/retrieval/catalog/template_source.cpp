@@ -1,4 +1,4 @@
-#include "services/retrieval/service/template_source.h"
+#include "services/retrieval/catalog/template_source.h"
 
 #include <grpcpp/grpcpp.h>
 

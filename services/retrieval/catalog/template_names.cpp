@@ -1,4 +1,4 @@
-#include "services/retrieval/service/template_names.h"
+#include "services/retrieval/catalog/template_names.h"
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
