@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/mesh/element_faces.h"
 
 namespace mortise::simulator {
@@ -22,39 +21,12 @@ const Group* Find(const std::vector<Group>& groups, const std::string& name) {
   return found == groups.end() ? nullptr : &*found;
 }
 
-// Edits of single letters that make one text of the other; upper and lower case are the same.
-int EditDistance(const std::string& a, const std::string& b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    int diagonal = std::exchange(row[0], static_cast<int>(i) + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const bool same = std::tolower(static_cast<unsigned char>(a[i])) ==
-                        std::tolower(static_cast<unsigned char>(b[j]));
-      const int edited = std::min({row[j], row[j + 1], diagonal - (same ? 1 : 0)}) + 1;
-      diagonal = std::exchange(row[j + 1], edited);
-    }
-  }
-  return row[b.size()];
-}
-
 // "there is no group of faces 'tpo'; did you mean 'top'?" or all names, where none is similar.
 absl::Status UnknownGroup(const std::string& name, const char* kind,
                           const std::vector<std::string>& names, const std::string& field) {
   const std::string unknown = absl::StrCat("there is no group of ", kind, " '", name, "'");
   if (names.empty()) return InvalidField(field, absl::StrCat(unknown, "; the mesh has none"));
-  const auto nearest = std::min_element(
-      names.begin(), names.end(),
-      [&](const auto& a, const auto& b) { return EditDistance(a, name) < EditDistance(b, name); });
-  if (EditDistance(*nearest, name) <= 1 + static_cast<int>(name.size()) / 3) {
-    return InvalidField(field, absl::StrCat(unknown, "; did you mean '", *nearest, "'?"));
-  }
-  constexpr std::size_t kShown = 20;
-  const std::size_t shown = std::min(names.size(), kShown);
-  return InvalidField(field,
-                      absl::StrCat(unknown, "; there are '",
-                                   absl::StrJoin(names.begin(), names.begin() + shown, "', '"), "'",
-                                   shown < names.size() ? " and more" : ""));
+  return InvalidField(field, absl::StrCat(unknown, NamesOffered(name, names)));
 }
 
 absl::Status EmptyGroup(const std::string& name, const char* kind, const std::string& field) {
