@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -41,6 +42,8 @@ struct SearchOptions {
 };
 
 struct IndexOptions {
+  std::string name;  // "d2", of what is shown or deleted
+  bool only_faults = false;
   std::vector<std::string> templates;
   std::vector<std::string> descriptors;
   std::string delta;
@@ -159,7 +162,17 @@ absl::Status Search(const SearchOptions& options, Session& session, Output& outp
 
 std::vector<std::string> RowOf(const v1::ShapeIndex& index) {
   return {index.name(), absl::StrCat(index.family_count()), absl::StrFormat("%.3g", index.delta()),
-          index.current() ? "yes" : "no"};
+          index.current() ? "yes" : "no", index.fault().empty() ? "yes" : "no"};
+}
+
+void PrintIndexes(const google::protobuf::RepeatedPtrField<v1::ShapeIndex>& indexes,
+                  Output& output) {
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ShapeIndex& index : indexes) rows.push_back(RowOf(index));
+  output.Table({"index", "families", "delta", "current", "usable"}, rows);
+  for (const v1::ShapeIndex& index : indexes) {
+    if (!index.fault().empty()) output.Line(absl::StrCat(index.name(), ": ", index.fault()));
+  }
 }
 
 absl::Status Build(const IndexOptions& options, Session& session, Output& output) {
@@ -190,9 +203,8 @@ absl::Status Build(const IndexOptions& options, Session& session, Output& output
           },
           output));
   if (!built) return absl::OkStatus();
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::ShapeIndex& index : built->indexes()) rows.push_back(RowOf(index));
-  output.Table({"index", "families", "delta", "current"}, rows);
+  PrintIndexes(built->indexes(), output);
+  for (const std::string& note : built->notes()) output.Line(note);
   output.DocumentOf(*built);
   return absl::OkStatus();
 }
@@ -204,11 +216,55 @@ absl::Status ShowStatus(Session& session, Output& output) {
   MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->ListIndexes(&context, {}, &listed));
   }));
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::ShapeIndex& index : listed.indexes()) rows.push_back(RowOf(index));
-  output.Table({"index", "families", "delta", "current"}, rows);
+  PrintIndexes(listed.indexes(), output);
   if (listed.indexes().empty()) output.Line("no index yet: mortise index build");
   output.DocumentOf(listed);
+  return absl::OkStatus();
+}
+
+// What an index has of a template, or why not.
+std::vector<std::string> RowOf(const v1::ShapeIndex::Family& family) {
+  const std::string part = family.group().empty() ? "" : absl::StrCat(", ", family.group());
+  return {absl::StrCat(family.template_(), part), absl::StrCat(family.template_revision()),
+          absl::StrCat(family.points() + family.tangents()), absl::StrCat(family.evaluations()),
+          family.fault().empty() ? (family.truncated() ? "covered in part" : "") : family.fault()};
+}
+
+absl::Status ShowIndex(const IndexOptions& options, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::RetrievalService::NewStub(client->channel());
+  v1::ListIndexFamiliesRequest request;
+  request.set_name(ResourceName("indexes", options.name));
+  request.set_page_size(1000);
+  request.set_only_faults(options.only_faults);
+  v1::ListIndexFamiliesResponse all;
+  do {
+    v1::ListIndexFamiliesResponse page;
+    MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+      return rpc::FromGrpc(stub->ListIndexFamilies(&context, request, &page));
+    }));
+    request.set_page_token(page.next_page_token());
+    all.mutable_families()->MergeFrom(page.families());
+  } while (!request.page_token().empty());
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ShapeIndex::Family& family : all.families()) rows.push_back(RowOf(family));
+  output.Table({"template", "revision", "primitives", "designs made", "fault"}, rows);
+  output.DocumentOf(all);
+  return absl::OkStatus();
+}
+
+absl::Status DeleteIndex(const IndexOptions& options, Session& session, Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  const auto stub = v1::RetrievalService::NewStub(client->channel());
+  v1::DeleteIndexRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_name(ResourceName("indexes", options.name));
+  v1::DeleteIndexResponse response;
+  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->DeleteIndex(&context, request, &response));
+  }));
+  output.Line(absl::StrCat(request.name(), " deleted; 'mortise index build' makes it again"));
+  output.Document(nlohmann::ordered_json{{"name", request.name()}});
   return absl::OkStatus();
 }
 
@@ -264,6 +320,16 @@ void AddIndex(CLI::App& app, Session& session) {
   CLI::App* status = index->add_subcommand("status", "The indexes there are");
   status->footer("Example: mortise index status");
   status->callback([&session] { session.command = ShowStatus; });
+  CommandFlags show(*index->add_subcommand("show", "The templates that an index has"));
+  show.Add("index", options->name, "d2, voxel or light-field", "name")->required();
+  show.command().add_flag("--faults", options->only_faults,
+                          "Only those that could not be covered, and why");
+  show.command().footer("Example: mortise index show d2 --faults");
+  show.Run(session, [options](Session& s, Output& o) { return ShowIndex(*options, s, o); });
+  CommandFlags remove(*index->add_subcommand("delete", "Remove an index, and stop keeping it up"));
+  remove.Add("index", options->name, "d2, voxel or light-field", "name")->required();
+  remove.command().footer("Example: mortise index delete voxel");
+  remove.Run(session, [options](Session& s, Output& o) { return DeleteIndex(*options, s, o); });
   index->footer("Example: mortise index build");
 }
 

@@ -1,13 +1,18 @@
 #include "services/retrieval/service/index_methods.h"
 
 #include <compare>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/operation_kinds.h"
+#include "common/rpc/channel.h"
+#include "services/retrieval/service/index_builds.h"
 #include "services/retrieval/service/index_operation.h"
 #include "services/retrieval/service/index_records.h"
 
@@ -37,12 +42,26 @@ FamilyPosition PositionOfToken(const std::string& token) {
   return {token.substr(0, end), token.substr(end + 1)};
 }
 
+// Why an index cannot be searched; empty where it can.
+std::string FaultOf(const Retrieval& retrieval, const v1::ShapeIndex& index) {
+  const absl::Status loaded = retrieval.indexes.Get(index.shape_descriptor()).status();
+  return std::string(loaded.message());
+}
+
 }  // namespace
 
-absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::Call& call,
-                                         const v1::BuildIndexRequest& request,
-                                         store::Transaction& transaction) {
+absl::StatusOr<Checked> PrepareBuild(const Retrieval& retrieval, const rpc::Call& call,
+                                     const v1::BuildIndexRequest& request) {
   MORTISE_RETURN_IF_ERROR(CheckRequest(request));
+  const auto templates = retrieval.templates.List({}, rpc::ForwardedFrom(call));
+  if (!templates.ok()) return Checked();  // the operation has more patience, and checks again
+  MORTISE_RETURN_IF_ERROR(CheckTemplates(request, *templates, *retrieval.environment.store));
+  return Checked();
+}
+
+absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::Call& call,
+                                         const v1::BuildIndexRequest& request, Checked&,
+                                         store::Transaction& transaction) {
   MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
                            retrieval.environment.operations->Start(
                                transaction, rpc::OperationOf(call, jobs::kIndexOperation, "indexes",
@@ -50,10 +69,32 @@ absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::
   return rpc::ToProto(operation);
 }
 
+absl::StatusOr<Checked> PrepareDeletion(const Retrieval& retrieval, const rpc::Call&,
+                                        const v1::DeleteIndexRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const v1::ShapeIndex index,
+                           kIndexes.Get(*retrieval.environment.store, request.name()));
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<std::string> build,
+      BuildUnderWay(*retrieval.environment.operations, index.shape_descriptor()));
+  if (!build) return Checked();
+  return PreconditionFailed(
+      "INDEX_IN_USE",
+      absl::StrCat(*build, " builds the index, and would make it again: cancel it first"),
+      request.name());
+}
+
+absl::StatusOr<v1::DeleteIndexResponse> DeleteIndex(const rpc::Call&,
+                                                    const v1::DeleteIndexRequest& request, Checked&,
+                                                    store::Transaction& transaction) {
+  MORTISE_RETURN_IF_ERROR(ForgetIndex(transaction, request.name(), CurrentTraceId()));
+  return v1::DeleteIndexResponse();
+}
+
 absl::StatusOr<v1::ShapeIndex> GetIndex(const Retrieval& retrieval, const rpc::Call&,
                                         const v1::GetIndexRequest& request) {
   MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
                            kIndexes.Get(*retrieval.environment.store, request.name()));
+  index.set_fault(FaultOf(retrieval, index));
   resources::PageRoom room(resources::kLargestPageSize);
   int shown = 0;
   while (shown < index.families_size() && room.Take(index.families(shown).ByteSizeLong())) ++shown;
@@ -92,7 +133,10 @@ absl::StatusOr<v1::ListIndexesResponse> ListIndexes(const Retrieval& retrieval, 
           *retrieval.environment.store, [&](store::ReadTransaction& transaction) {
             return resources::ReadPage<v1::ShapeIndex>(transaction, {.kind = kIndexes.kind}, query);
           }));
-  for (v1::ShapeIndex& index : page.entries) index.clear_families();
+  for (v1::ShapeIndex& index : page.entries) {
+    index.clear_families();
+    index.set_fault(FaultOf(retrieval, index));
+  }
   return resources::ToResponse(std::move(page), &v1::ListIndexesResponse::mutable_indexes);
 }
 

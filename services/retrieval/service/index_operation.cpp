@@ -1,7 +1,6 @@
 #include "services/retrieval/service/index_operation.h"
 
-#include <algorithm>
-#include <chrono>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <utility>
@@ -16,13 +15,27 @@
 #include "services/retrieval/families/family_cover.h"
 #include "services/retrieval/service/cover_plan.h"
 #include "services/retrieval/service/index_assembly.h"
+#include "services/retrieval/service/index_builds.h"
 #include "services/retrieval/service/index_covering.h"
 #include "services/retrieval/service/index_records.h"
 
 namespace mortise::retrieval {
 namespace {
 
-constexpr std::chrono::milliseconds kLookForTurn{200};
+// Shapes that have nothing in common are no further apart, in natural scales of a descriptor.
+constexpr double kLargestDelta = 2;
+
+// Whether it is not so large that an index would tell nothing apart.
+absl::Status CheckDelta(double delta, v1::ShapeDescriptor kind) {
+  if (delta == 0) return absl::OkStatus();
+  if (!(delta > 0)) return InvalidField("delta", "must be above 0, or 0 for a default");
+  MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Descriptor> descriptor,
+                           MakeDescriptor(IndexIdOf(kind)));
+  const double largest = kLargestDelta * descriptor->properties().natural_scale;
+  if (delta <= largest) return absl::OkStatus();
+  return InvalidField("delta", absl::StrCat("must be at most ", largest, " of ", IndexIdOf(kind),
+                                            ": all shapes are as near to each other as that"));
+}
 
 // What the request says, or what the index has, or a default.
 absl::StatusOr<double> DeltaOf(const v1::BuildIndexRequest& request, const Descriptor& descriptor,
@@ -74,12 +87,31 @@ absl::Status CheckRequest(const v1::BuildIndexRequest& request) {
     status = CombineViolations(status, InvalidField("refresh", "is not possible with templates"));
   }
   if (request.delta() == 0) return status;
-  if (!(request.delta() > 0)) {
-    status =
-        CombineViolations(status, InvalidField("delta", "must be above 0, or 0 for a default"));
-  }
-  if (DescriptorsOf(request).size() == 1) return status;
+  const std::vector<v1::ShapeDescriptor> kinds = DescriptorsOf(request);
+  status = CombineViolations(status, CheckDelta(request.delta(), kinds.front()));
+  if (kinds.size() == 1) return status;
   return CombineViolations(status, InvalidField("delta", "is of one descriptor: name it"));
+}
+
+absl::Status CheckTemplates(const v1::BuildIndexRequest& request,
+                            const std::vector<v1::Template>& templates, store::Store& store) {
+  Revisions present;
+  for (const v1::Template& each : templates) present[each.name()] = each.revision();
+  for (const std::string& name : request.templates()) {
+    if (!present.contains(name)) return ResourceNotFound(name);
+  }
+  if (!templates.empty()) return absl::OkStatus();
+  for (const v1::ShapeDescriptor kind : DescriptorsOf(request)) {
+    const std::string name = absl::StrCat(kIndexes.names, "/", IndexIdOf(kind));
+    const absl::Status there = kIndexes.Get(store, name).status();
+    if (!absl::IsNotFound(there)) continue;
+    return PreconditionFailed(
+        "NO_TEMPLATES",
+        "the catalog has no templates yet, and an index would be of nothing: import some first, "
+        "or start the house with a collection",
+        name);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
@@ -88,10 +120,7 @@ absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
   if (!request.ParseFromString(context.request())) {
     return StorageFailed(context.name(), "the request is not readable");
   }
-  std::unique_lock turn(building.turn, std::defer_lock);
-  while (!turn.try_lock_for(kLookForTurn)) {
-    if (context.Cancelled()) return absl::CancelledError("the build was cancelled");
-  }
+  MORTISE_ASSIGN_OR_RETURN(const std::unique_lock turn, building.turn.Take(context));
   rpc::RetryOptions retry;
   retry.patience = kCatalogTimeout;  // the catalog may be starting again
   retry.stop = context.stop_token();
@@ -102,21 +131,21 @@ absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
                               rpc::OwnOrigin(building.environment.signer, rpc::Role::kViewer,
                                              CurrentTraceId(), kCatalogTimeout),
                               retry));
-  for (const std::string& name : request.templates()) {
-    const bool is_there =
-        std::any_of(templates.begin(), templates.end(),
-                    [&](const v1::Template& each) { return each.name() == name; });
-    if (!is_there) return ResourceNotFound(name);
-  }
-  MORTISE_ASSIGN_OR_RETURN(std::vector<IndexTarget> targets,
-                           TargetsOf(request, *building.environment.store));
+  store::Store& store = *building.environment.store;
+  MORTISE_RETURN_IF_ERROR(CheckTemplates(request, templates, store));
+  Revisions present;
+  for (const v1::Template& each : templates) present[each.name()] = each.revision();
+  MORTISE_ASSIGN_OR_RETURN(std::vector<IndexTarget> targets, TargetsOf(request, store));
   CoverPlan plan(building, context, targets, request.anew());
   MORTISE_RETURN_IF_ERROR(plan.Prepare(templates, request.refresh()));
   MORTISE_RETURN_IF_ERROR(IndexCovering(building, context, plan).Run(templates));
   v1::BuildIndexResponse response;
   for (const IndexTarget& target : targets) {
+    const auto before = kIndexes.Get(store, absl::StrCat(kIndexes.names, "/", target.id));
     MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
                              PutIndexTogether(building, context, target, templates));
+    std::string note = before.ok() ? WhoLeft(*before, index, present) : "";
+    if (!note.empty()) response.add_notes(std::move(note));
     index.clear_families();
     *response.add_indexes() = std::move(index);
   }

@@ -121,6 +121,20 @@ absl::Status DeleteCover(store::Transaction& transaction, const std::string& ind
   return transaction.Delete(kCovers, KeyOf(index, template_name, group));
 }
 
+absl::Status ForgetIndex(store::Transaction& transaction, const std::string& name,
+                         const std::string& trace_id) {
+  MORTISE_RETURN_IF_ERROR(kIndexes.Get(transaction, name).status());
+  MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kIndexes.names, "name"));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<v1::ShapeIndex> covers, ListCovers(transaction, id));
+  for (const v1::ShapeIndex& cover : covers) {
+    MORTISE_RETURN_IF_ERROR(
+        DeleteCover(transaction, id, cover.families(0).template_(), cover.families(0).group()));
+  }
+  MORTISE_RETURN_IF_ERROR(transaction.Delete(kIndexes.kind, id));
+  return transaction.AppendEvent(
+      {.type = "index.deleted", .subject = name, .payload = "{}", .trace_id = trace_id});
+}
+
 absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,
                       const std::string& trace_id) {
   MORTISE_ASSIGN_OR_RETURN(const std::string id,

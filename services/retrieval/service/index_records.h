@@ -66,6 +66,10 @@ absl::Status PutCover(store::Transaction& transaction, const std::string& index,
 absl::Status DeleteCover(store::Transaction& transaction, const std::string& index,
                          const std::string& template_name, const std::string& group);
 
+// Forgets an index and its covers, and tells of it ("index.deleted"). NOT_FOUND.
+absl::Status ForgetIndex(store::Transaction& transaction, const std::string& name,
+                         const std::string& trace_id);
+
 // Writes an index and tells of it ("index.updated").
 absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& index,
                       const std::string& trace_id);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,9 +25,6 @@ constexpr absl::Duration kReconnectAfter = absl::Seconds(2);
 constexpr absl::Duration kListTimeout = absl::Seconds(30);
 constexpr absl::Duration kLookAgainAfter = absl::Seconds(1);  // while an index is built
 constexpr int kMaxDoublings = 10;                             // of that
-constexpr char kCreator[] = "services/retrieval";
-
-using Revisions = std::map<std::string, std::int64_t>;  // of templates, by name
 
 Revisions RevisionsOf(const v1::ShapeIndex& index) {
   Revisions revisions;
@@ -160,6 +158,13 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
                            templates_.List({}, Origin(kListTimeout)));
   Revisions present;
   for (const v1::Template& each : templates) present[each.name()] = each.revision();
+  // Somebody who cancels a build does not want it again: until a template changes, or they ask.
+  std::set<v1::ShapeDescriptor> given_up;
+  for (const v1::ShapeIndex& index : indexes) {
+    MORTISE_ASSIGN_OR_RETURN(const bool is_given_up, IsGivenUp(*environment_.operations,
+                                                               index.shape_descriptor(), present));
+    if (is_given_up) given_up.insert(index.shape_descriptor());
+  }
   bool is_settled = true;
   MORTISE_RETURN_IF_ERROR(
       environment_.store->Transact([&](store::Transaction& transaction) -> absl::Status {
@@ -168,14 +173,14 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
         // One build for all that are kept up to the same: they share designs.
         std::map<bool, v1::BuildIndexRequest> requests;  // by whether they are of every template
         for (const v1::ShapeIndex& index : now) {
-          if (IsCurrent(index, present)) continue;
+          if (IsCurrent(index, present) || given_up.contains(index.shape_descriptor())) continue;
           is_settled = false;
           requests[index.every_template()].add_shape_descriptors(index.shape_descriptor());
           MORTISE_RETURN_IF_ERROR(SayNotCurrent(transaction, index));
         }
         for (auto& [of_every_template, request] : requests) {
           request.set_refresh(!of_every_template);
-          MORTISE_RETURN_IF_ERROR(StartBuild(transaction, request));
+          MORTISE_RETURN_IF_ERROR(StartBuild(transaction, request, present));
         }
         return absl::OkStatus();
       }));
@@ -184,12 +189,14 @@ absl::StatusOr<bool> IndexUpkeep::BringUp() {
 }
 
 absl::Status IndexUpkeep::StartBuild(store::Transaction& transaction,
-                                     const v1::BuildIndexRequest& request) {
+                                     const v1::BuildIndexRequest& request,
+                                     const Revisions& present) {
   return environment_.operations
       ->Start(transaction, {.kind = jobs::kIndexOperation,
                             .request = request.SerializeAsString(),
                             .subject = "indexes",
-                            .creator = kCreator})
+                            .creator = kUpkeepCreator,
+                            .tags = TagsOf(present)})
       .status();
 }
 

@@ -12,6 +12,7 @@
 #include "common/store/store.h"
 #include "mortise/v1/retrieval.pb.h"
 #include "services/retrieval/catalog/template_source.h"
+#include "services/retrieval/service/index_builds.h"
 
 namespace grpc {
 class Channel;
@@ -23,7 +24,8 @@ namespace mortise::retrieval {
 // index that is kept up to it (ShapeIndex.every_template) says that it is not current, and an
 // operation is started that brings all of these up to the templates. What was missed while the
 // catalog or this service was away is noticed when they meet again. Indexes that were never built
-// are left alone: building costs minutes of all cores.
+// are left alone: building costs minutes of all cores. So is an index whose build somebody
+// cancelled, until a template has come, changed or gone, or somebody has it built.
 class IndexUpkeep {
  public:
   // All outlive it.
@@ -35,7 +37,8 @@ class IndexUpkeep {
   void Follow(const std::stop_token& stop);
   void Check(const std::stop_token& stop);
   absl::StatusOr<bool> BringUp();
-  absl::Status StartBuild(store::Transaction& transaction, const v1::BuildIndexRequest& request);
+  absl::Status StartBuild(store::Transaction& transaction, const v1::BuildIndexRequest& request,
+                          const Revisions& present);
   void Notice();
   rpc::Origin Origin(absl::Duration timeout) const;
 

@@ -71,8 +71,14 @@ absl::StatusOr<std::shared_ptr<const LoadedIndex>> LoadedIndexes::Get(
   const std::string name = absl::StrCat(kIndexes.names, "/", id);
   absl::StatusOr<v1::ShapeIndex> record = kIndexes.Get(*store_, name);
   if (absl::IsNotFound(record.status())) {
-    return PreconditionFailed(
-        "INDEX_MISSING", absl::StrCat("there is no index by ", id, " yet: build it first"), name);
+    const std::lock_guard lock(slots_.at(id).mutex);
+    slots_.at(id).loaded = nullptr;
+    return PreconditionFailed("INDEX_MISSING",
+                              absl::StrCat("there is no index by ", id,
+                                           " yet: build it first, as with 'mortise index build "
+                                           "--descriptor ",
+                                           id, "'"),
+                              name);
   }
   MORTISE_RETURN_IF_ERROR(record.status());
   const absl::StatusOr<std::filesystem::path> path = blobs_->PathOf(record->sha256());

@@ -11,6 +11,7 @@
 #include "services/retrieval/service/cover_methods.h"
 #include "services/retrieval/service/cover_queue.h"
 #include "services/retrieval/service/file_upkeep.h"
+#include "services/retrieval/service/index_builds.h"
 #include "services/retrieval/service/index_methods.h"
 #include "services/retrieval/service/index_operation.h"
 #include "services/retrieval/service/index_upkeep.h"
@@ -45,7 +46,10 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
 
   MORTISE_QUERY(SearchShapes, rpc::With(retrieval_, methods::SearchShapes))
   MORTISE_UPLOAD(UploadMesh, rpc::With(retrieval_, methods::UploadMesh))
-  MORTISE_MUTATION(BuildIndex, rpc::With(retrieval_, methods::BuildIndex))
+  MORTISE_PREPARED_MUTATION(BuildIndex, rpc::With(retrieval_, methods::PrepareBuild),
+                            rpc::With(retrieval_, methods::BuildIndex))
+  MORTISE_PREPARED_MUTATION(DeleteIndex, rpc::With(retrieval_, methods::PrepareDeletion),
+                            methods::DeleteIndex)
   MORTISE_QUERY(GetIndex, rpc::With(retrieval_, methods::GetIndex))
   MORTISE_QUERY(ListIndexFamilies, rpc::With(retrieval_, methods::ListIndexFamilies))
   MORTISE_QUERY(ListIndexes, rpc::With(retrieval_, methods::ListIndexes))
@@ -61,7 +65,7 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
   LoadedIndexes indexes_;
   const UploadedMeshes meshes_;
   MatchFacts facts_;
-  std::timed_mutex turn_;  // of builds
+  BuildTurn turn_;
   const Retrieval retrieval_;
   rpc::Endpoint endpoint_;
   const IndexUpkeep upkeep_;

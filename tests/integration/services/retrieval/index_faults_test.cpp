@@ -77,10 +77,12 @@ TEST(IndexFaultsTest, ADamagedIndexIsNotAnsweredFromUntilItIsBuiltAgain) {
     SCOPED_TRACE(what);
     damage();
     ExpectDamaged(house.Search(ForTable()));
+    EXPECT_NE(house.Index()->fault(), "") << "its state tells, too";
     house.KillAndStart();
     ExpectDamaged(house.Search(ForTable()));
     house.Build(what, kCoarse);
     EXPECT_EQ(house.Index()->sha256(), index->sha256());
+    EXPECT_EQ(house.Index()->fault(), "");
     const auto after = house.Search(ForTable());
     ASSERT_TRUE(after.ok()) << after.status();
     EXPECT_EQ(after->SerializeAsString(), before->SerializeAsString());

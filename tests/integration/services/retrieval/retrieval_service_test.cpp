@@ -238,10 +238,57 @@ TEST(IndexTest, IsOfTheTemplatesThatWereNamedAlone) {
   request.set_refresh(false);
   request.set_delta(0.9 * kCoarse);
   request.add_templates("templates/boat");
-  house.End(house.StartBuild(request));
+  v1::BuildIndexResponse response;
+  ASSERT_TRUE(house.End(house.StartBuild(request)).result().UnpackTo(&response));
+  const std::vector<std::string> notes(response.notes().begin(), response.notes().end());
   const auto finer = house.Index();
   ASSERT_EQ(finer->family_count(), 1);
+  EXPECT_THAT(notes, ElementsAre(HasSubstr("templates/table")));
   EXPECT_EQ(finer->families(0).template_(), "templates/boat");
+}
+
+TEST(IndexTest, IsGoneOnceItIsDeleted) {
+  const auto built = BuiltState::House();
+  RetrievalHouse& house = *built;
+  v1::SearchShapesRequest search;
+  search.mutable_design()->set_template_("templates/table");
+  ASSERT_TRUE(house.Search(search).ok());
+  v1::DeleteIndexRequest request;
+  request.set_request_id("no-more");
+  request.set_name("indexes/d2");
+  const auto remove = [&] {
+    return Call(house.retrieval(), &v1::RetrievalService::Stub::DeleteIndex, request).status();
+  };
+  EXPECT_TRUE(remove().ok());
+  EXPECT_TRUE(absl::IsNotFound(house.Index().status()));
+  const absl::Status missing = house.Search(search).status();
+  EXPECT_EQ(DetailOf(missing).reason, "INDEX_MISSING") << missing;
+  EXPECT_THAT(missing.message(), HasSubstr("mortise index build"));
+  request.set_request_id("again");
+  EXPECT_TRUE(absl::IsNotFound(remove()));
+}
+
+TEST(IndexTest, IsNotMadeOfNothing) {
+  RetrievalHouse house;
+  v1::BuildIndexRequest request;
+  request.set_request_id("none");
+  request.add_templates("templates/none");
+  EXPECT_TRUE(absl::IsNotFound(house.StartBuild(request).status()));
+  request.clear_templates();
+  request.add_shape_descriptors(v1::D2);
+  request.set_delta(1e9);
+  EXPECT_EQ(DetailOf(house.StartBuild(request).status()).field, "delta");
+  for (const char* const name : {"templates/boat", "templates/table"}) {
+    v1::DeleteTemplateRequest remove;
+    remove.set_request_id(name);
+    remove.set_name(name);
+    remove.set_revision(1);
+    ASSERT_TRUE(Call(house.catalog(), &v1::CatalogService::Stub::DeleteTemplate, remove).ok());
+  }
+  const absl::Status refused = house.StartBuild("empty", kCoarse).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition) << refused;
+  EXPECT_EQ(DetailOf(refused).reason, "NO_TEMPLATES");
+  EXPECT_TRUE(absl::IsNotFound(house.Index().status()));
 }
 
 TEST(IndexTest, IsKeptUpToTheTemplates) {
