@@ -82,14 +82,13 @@ void DesignFilterOptions::AddTo(CommandFlags& flags) {
 }
 
 void DesignFilterOptions::AddItemSources(FieldSources& sources) const {
-  if (item_files.empty()) {
-    sources.AddEach("design_filter.items", "--item", items);
-  } else {
-    sources.Add("design_filter.items", "--from-items");
+  sources.AddEach("design_filter.items", items.empty() ? "--from-items" : "--item", items);
+  for (std::size_t i = 0; i < item_places.size(); ++i) {
+    sources.Add(absl::StrCat("design_filter.items[", items.size() + i, "]"), item_places[i]);
   }
 }
 
-absl::Status DesignFilterOptions::Fill(v1::SearchShapesRequest* request) const {
+absl::Status DesignFilterOptions::Fill(v1::SearchShapesRequest* request) {
   for (const std::string& each : categories) request->add_categories(each);
   v1::DesignFilter filter;
   if (!min_size.empty()) {
@@ -107,11 +106,17 @@ absl::Status DesignFilterOptions::Fill(v1::SearchShapesRequest* request) const {
   for (const std::string& each : items) {
     MORTISE_ASSIGN_OR_RETURN(*filter.add_items(), ParseAvailableItem(each));
   }
+  std::vector<v1::AvailableItem> of_tables;
   for (const std::filesystem::path& path : item_files) {
-    MORTISE_ASSIGN_OR_RETURN(std::vector<v1::AvailableItem> read, ReadAvailableItems(path));
-    for (v1::AvailableItem& each : read) *filter.add_items() = std::move(each);
-    if (filter.items().empty()) return InvalidField("--from-items", "has no items");
+    std::vector<std::string> places;
+    MORTISE_ASSIGN_OR_RETURN(std::vector<v1::AvailableItem> read,
+                             ReadAvailableItems(path, &places));
+    if (read.empty()) {
+      return InvalidField("--from-items", absl::StrCat(path.string(), " has no items"));
+    }
+    AddAvailable(std::move(read), places, &of_tables, &item_places);
   }
+  for (v1::AvailableItem& each : of_tables) *filter.add_items() = std::move(each);
   if (filter.ByteSizeLong() > 0) *request->mutable_design_filter() = std::move(filter);
   return absl::OkStatus();
 }

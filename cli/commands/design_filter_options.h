@@ -18,15 +18,16 @@ struct DesignFilterOptions {
   std::string max_price;           // "120", which is EUR, or "120 USD"
   std::vector<std::string> items;  // "board" or "board=4"
   std::vector<std::filesystem::path> item_files;
+  std::vector<std::string> item_places = {};  // of the items of those files, once they are read
 
   // Declares the flags.
   void AddTo(CommandFlags& flags);
 
-  // Which of the flags items come from: those of a file, if there is one, else --item.
+  // Where items come from, once the request is filled: --item, or a place in a file.
   void AddItemSources(FieldSources& sources) const;
 
   // INVALID_ARGUMENT naming a flag, or a place in a file.
-  absl::Status Fill(v1::SearchShapesRequest* request) const;
+  absl::Status Fill(v1::SearchShapesRequest* request);
 };
 
 }  // namespace mortise::cli

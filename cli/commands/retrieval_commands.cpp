@@ -59,7 +59,7 @@ absl::StatusOr<v1::ShapeDescriptor> DescriptorOf(const std::string& name) {
                       absl::StrCat("'", name, "' is none of d2, voxel, light-field"));
 }
 
-absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) {
+absl::StatusOr<v1::SearchShapesRequest> RequestOf(SearchOptions& options) {
   if (options.mesh.empty() == options.design.empty()) {
     return InvalidField("MESH", "give a file with a mesh, or a template with --design");
   }
@@ -76,6 +76,7 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(const SearchOptions& options) 
   if (options.design.empty()) {
     v1::QueryMesh& mesh = *request.mutable_mesh();
     MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh, kMostInFile));
+    if (mesh.file().empty()) return InvalidField(options.mesh, "is empty");
     mesh.set_file_name(std::filesystem::path(options.mesh).filename().string());
     mesh.set_length_unit(options.unit);
     MORTISE_ASSIGN_OR_RETURN(const v1::Axis up, ParseAxis(options.up, "--up"));
@@ -124,7 +125,7 @@ absl::Status Upload(v1::QueryMesh& mesh, v1::RetrievalService::Stub& stub,
   return absl::OkStatus();
 }
 
-absl::Status Search(const SearchOptions& options, Session& session, Output& output) {
+absl::Status Search(SearchOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(v1::SearchShapesRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
@@ -295,8 +296,9 @@ void AddSearch(CLI::App& app, Session& session) {
   flags.command().footer("Example: mortise search chair.obj --top 5 --sheet out.png");
   flags.Run(session, [options](FieldSources& sources, Session& s, Output& output) {
     sources.Add("mesh", options->mesh);
+    const absl::Status status = Search(*options, s, output);
     options->filter.AddItemSources(sources);
-    return Search(*options, s, output);
+    return status;
   });
 }
 

@@ -36,6 +36,24 @@ absl::Status ReduceTo(const std::string& group, v1::TemplateBundle& bundle) {
   return templates::FillAndCheck(bundle, templates::Trial::kDefaults);
 }
 
+// The names of all resources that a List method gives, page by page.
+template <typename Request, typename Response, typename Message>
+absl::StatusOr<std::vector<std::string>> NamesOf(
+    v1::CatalogService::Stub& stub,
+    grpc::Status (v1::CatalogService::Stub::*list)(grpc::ClientContext*, const Request&, Response*),
+    Request request,
+    const google::protobuf::RepeatedPtrField<Message>& (Response::*entries)() const,
+    const rpc::Origin& origin) {
+  std::vector<std::string> names;
+  request.set_page_size(kPageSize);
+  do {
+    MORTISE_ASSIGN_OR_RETURN(const Response page, rpc::CallUnary(stub, list, request, origin));
+    for (const Message& each : (page.*entries)()) names.push_back(each.name());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return names;
+}
+
 }  // namespace
 
 std::vector<std::string> GroupsOf(const CompiledTemplate& whole) {
@@ -53,6 +71,20 @@ bool IsPassingFailure(const absl::Status& status) {
 
 TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
     : catalog_(catalog), shapes_(std::move(catalog), kSurfaceBytes), kept_(capacity) {}
+
+absl::StatusOr<std::vector<std::string>> TemplateSource::MaterialNames(
+    const rpc::Origin& origin) const {
+  const auto stub = v1::CatalogService::NewStub(catalog_);
+  return NamesOf(*stub, &v1::CatalogService::Stub::ListMaterials, v1::ListMaterialsRequest(),
+                 &v1::ListMaterialsResponse::materials, origin);
+}
+
+absl::StatusOr<std::vector<std::string>> TemplateSource::ItemNames(
+    const rpc::Origin& origin) const {
+  const auto stub = v1::CatalogService::NewStub(catalog_);
+  return NamesOf(*stub, &v1::CatalogService::Stub::ListItems, v1::ListItemsRequest(),
+                 &v1::ListItemsResponse::items, origin);
+}
 
 absl::StatusOr<std::vector<v1::Template>> TemplateSource::List(
     const v1::ResourceFilter& filter, const rpc::Origin& origin,

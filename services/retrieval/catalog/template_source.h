@@ -49,6 +49,10 @@ class TemplateSource {
                                                  const rpc::Origin& origin,
                                                  const rpc::RetryOptions& retry = {}) const;
 
+  // All materials/{id} and items/{id} that there are. Fail as List.
+  absl::StatusOr<std::vector<std::string>> MaterialNames(const rpc::Origin& origin) const;
+  absl::StatusOr<std::vector<std::string>> ItemNames(const rpc::Origin& origin) const;
+
   // The revision, or the latest for 0; the catalog is asked for what is not kept. NOT_FOUND;
   // INVALID_ARGUMENT naming "template", "template_revision" or "group"; as IsPassingFailure; as
   // templates::Compile.

@@ -22,20 +22,19 @@ bool MeetsMaterials(const std::set<std::string>& wanted, const std::set<std::str
                      [&](const std::string& each) { return wanted.contains(each); });
 }
 
-bool CanBeBuilt(const std::map<std::string, double>& available,
-                const std::vector<parametric::ItemNeed>& needs) {
-  return std::all_of(needs.begin(), needs.end(), [&](const parametric::ItemNeed& need) {
-    const auto found = available.find(need.item);
-    return found != available.end() && need.pieces <= found->second + kRounding;
-  });
+bool MeetsPrice(const parametric::Cost& most, const std::optional<parametric::Cost>& cost) {
+  return cost && cost->currency == most.currency && cost->amount <= most.amount;
+}
+
+bool MeetsAnySize(const DesignFilter& filter) {
+  const DesignFilter none;
+  return filter.min_size == none.min_size && filter.max_size == none.max_size;
 }
 
 }  // namespace
 
 bool IsEmpty(const DesignFilter& filter) {
-  const DesignFilter none;
-  return filter.min_size == none.min_size && filter.max_size == none.max_size &&
-         !filter.materials && !filter.max_price && !filter.items;
+  return MeetsAnySize(filter) && !filter.materials && !filter.max_price && !filter.items;
 }
 
 bool MayMeet(const DesignFilter& filter, const std::vector<std::string>& items,
@@ -66,15 +65,29 @@ DesignFacts FactsOf(const parametric::EvaluatedDesign& design,
   return facts;
 }
 
+MissedParts MissedBy(const DesignFacts& facts, const DesignFilter& filter) {
+  const bool none = !facts.has_parts;
+  return {.size = !MeetsAnySize(filter) && (none || !MeetsSize(filter, facts.size)),
+          .materials =
+              filter.materials && (none || !MeetsMaterials(*filter.materials, facts.materials)),
+          .price = filter.max_price && (none || !MeetsPrice(*filter.max_price, facts.cost)),
+          .items = filter.items && (none || !facts.needs || !LackingItems(filter, facts).empty())};
+}
+
 bool Meets(const DesignFilter& filter, const DesignFacts& facts) {
-  if (IsEmpty(filter)) return true;
-  if (!facts.has_parts || !MeetsSize(filter, facts.size)) return false;
-  if (filter.materials && !MeetsMaterials(*filter.materials, facts.materials)) return false;
-  if (filter.max_price && (!facts.cost || facts.cost->currency != filter.max_price->currency ||
-                           facts.cost->amount > filter.max_price->amount)) {
-    return false;
+  return !MissedBy(facts, filter).Any();
+}
+
+std::vector<LackingItem> LackingItems(const DesignFilter& filter, const DesignFacts& facts) {
+  std::vector<LackingItem> lacking;
+  if (!filter.items || !facts.needs) return lacking;
+  for (const parametric::ItemNeed& need : *facts.needs) {
+    const auto found = filter.items->find(need.item);
+    const double there = found == filter.items->end() ? 0 : found->second;
+    const bool suffices = found != filter.items->end() && need.pieces <= there + kRounding;
+    if (!suffices) lacking.push_back({need.item, need.pieces, there});
   }
-  return !filter.items || (facts.needs && CanBeBuilt(*filter.items, *facts.needs));
+  return lacking;
 }
 
 }  // namespace mortise::retrieval

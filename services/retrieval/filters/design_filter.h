@@ -54,7 +54,29 @@ struct DesignFacts {
 DesignFacts FactsOf(const parametric::EvaluatedDesign& design,
                     const std::vector<parametric::Item>& items);
 
-// Whether a design meets every part of the filter. One without parts meets none that is not empty.
+// Which parts of a filter a design does not meet. One without parts meets none that is set.
+struct MissedParts {
+  bool size = false;
+  bool materials = false;
+  bool price = false;
+  bool items = false;
+
+  bool Any() const { return size || materials || price || items; }
+};
+MissedParts MissedBy(const DesignFacts& facts, const DesignFilter& filter);
+
+// Whether a design meets every part of the filter.
 bool Meets(const DesignFilter& filter, const DesignFacts& facts);
+
+// An item of which a design takes more than there is.
+struct LackingItem {
+  std::string item;  // items/{id}
+  double taken = 0;  // pieces
+  double there = 0;
+};
+
+// What a design lacks of the items that the filter names, in the order of what it takes; nothing
+// where what it takes is not known, or items are not asked about.
+std::vector<LackingItem> LackingItems(const DesignFilter& filter, const DesignFacts& facts);
 
 }  // namespace mortise::retrieval

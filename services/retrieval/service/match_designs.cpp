@@ -25,6 +25,13 @@ std::string KeyOf(const v1::ShapeIndex::Family& family, const Eigen::VectorXd& p
   return key;
 }
 
+void Count(const MissedParts& missed, FilterTally* tally) {
+  if (!missed.size) ++tally->of_size;
+  if (!missed.materials) ++tally->of_materials;
+  if (!missed.price) ++tally->of_price;
+  if (!missed.items) ++tally->of_items;
+}
+
 std::size_t BytesOf(const std::string& key, const DesignFacts& facts) {
   std::size_t bytes = kBytesOfEntry + 2 * key.size() + sizeof facts;
   for (const std::string& each : facts.materials) bytes += kBytesOfEntry + each.size();
@@ -65,19 +72,25 @@ absl::StatusOr<std::shared_ptr<const DesignFacts>> MatchFacts::Get(const IndexMa
 
 absl::StatusOr<FilteredMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
                                                 const LoadedIndex& index, MatchFacts& facts,
-                                                const rpc::Call& call) {
+                                                const rpc::Call& call, FilterTally* tally) {
   const rpc::Origin origin = rpc::ForwardedFrom(call);
   const absl::Time now = absl::Now();
   const absl::Time end = now + std::min(kLongest, (call.deadline() - now) / 2);
-  return NearestThatMeet(index.primitives, std::move(query),
-                         [&](const IndexMatch& match) -> absl::StatusOr<bool> {
-                           if (call.cancelled())
-                             return absl::CancelledError("nobody waits for the answer any more");
-                           MORTISE_ASSIGN_OR_RETURN(const auto known,
-                                                    facts.Get(match, index, origin));
-                           return Meets(filter, *known);
-                         },
-                         {.is_time_up = [end] { return absl::Now() >= end; }});
+  return NearestThatMeet(
+      index.primitives, std::move(query),
+      [&](const IndexMatch& match) -> absl::StatusOr<bool> {
+        if (call.cancelled()) return absl::CancelledError("nobody waits for the answer any more");
+        MORTISE_ASSIGN_OR_RETURN(const auto known, facts.Get(match, index, origin));
+        const MissedParts missed = MissedBy(*known, filter);
+        Count(missed, tally);
+        const bool lacks_items = missed.items && !missed.size && !missed.materials && !missed.price;
+        if (lacks_items && tally->lacking.empty()) {
+          tally->lacking = LackingItems(filter, *known);
+          tally->lacking_template = index.record.families(match.family).template_();
+        }
+        return !missed.Any();
+      },
+      {.is_time_up = [end] { return absl::Now() >= end; }});
 }
 
 }  // namespace mortise::retrieval

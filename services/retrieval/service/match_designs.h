@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
@@ -47,11 +49,23 @@ class MatchFacts {
   SingleFlightCache<std::shared_ptr<const DesignFacts>> kept_;
 };
 
-// As NearestThatMeet of filtered_search.h. It ends early once the designs have taken 20 s, or half
-// of the time that the caller still waits, as pictures and fits are to come. CANCELLED once nobody
-// waits for the answer; UNAVAILABLE where the catalog is.
+// How many of the designs that were looked at meet each part of a filter, and the nearest of those
+// that lack nothing but items.
+struct FilterTally {
+  int of_size = 0;
+  int of_materials = 0;
+  int of_price = 0;
+  int of_items = 0;
+  std::string lacking_template = {};  // templates/{id}; empty where there is none
+  std::vector<LackingItem> lacking = {};
+};
+
+// As NearestThatMeet of filtered_search.h, with what it looked at counted in `tally`. It ends early
+// once the designs have taken 20 s, or half of the time that the caller still waits, as pictures
+// and fits are to come. CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog
+// is.
 absl::StatusOr<FilteredMatches> NearestThatMeet(const DesignFilter& filter, IndexQuery query,
                                                 const LoadedIndex& index, MatchFacts& facts,
-                                                const rpc::Call& call);
+                                                const rpc::Call& call, FilterTally* tally);
 
 }  // namespace mortise::retrieval

@@ -14,11 +14,11 @@ namespace mortise::retrieval {
 
 struct SearchFilter {
   // What an index says of a family suffices to tell whether it meets these.
-  std::optional<std::set<std::string>> templates;  // by name
-  std::optional<resources::ResourceFilter> resources;
-  std::set<std::string> categories;  // any if empty
+  std::optional<std::set<std::string>> templates = {};  // by name
+  std::optional<resources::ResourceFilter> resources = {};
+  std::set<std::string> categories = {};  // any if empty
   // What only a design itself tells.
-  DesignFilter design;
+  DesignFilter design = {};
 };
 
 // The label of templates whose values are categories.

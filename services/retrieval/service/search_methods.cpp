@@ -10,6 +10,7 @@
 #include "services/retrieval/catalog/template_names.h"
 #include "services/retrieval/families/design_surface.h"
 #include "services/retrieval/families/match_sheet.h"
+#include "services/retrieval/service/filter_names.h"
 #include "services/retrieval/service/match_designs.h"
 #include "services/retrieval/service/match_fits.h"
 #include "services/retrieval/service/query_shape.h"
@@ -96,8 +97,10 @@ absl::StatusOr<IndexQuery> IndexQueryOf(const v1::SearchShapesRequest& request,
 // The nearest families that may be found, and how many designs were looked at for that.
 absl::StatusOr<FilteredMatches> FindMatches(const DesignFilter& filter, IndexQuery wanted,
                                             const LoadedIndex& index, MatchFacts& facts,
-                                            const rpc::Call& call) {
-  if (!IsEmpty(filter)) return NearestThatMeet(filter, std::move(wanted), index, facts, call);
+                                            const rpc::Call& call, FilterTally* tally) {
+  if (!IsEmpty(filter)) {
+    return NearestThatMeet(filter, std::move(wanted), index, facts, call, tally);
+  }
   FilteredMatches found;
   MORTISE_ASSIGN_OR_RETURN(found.matches, index.primitives.Nearest(wanted));
   return found;
@@ -132,16 +135,21 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   MORTISE_RETURN_IF_ERROR(CombineViolations(checked, query.status()));
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedIndex> index,
                            retrieval.indexes.Get(request.shape_descriptor()));
+  MORTISE_RETURN_IF_ERROR(CheckFilterNames(request, index->record, retrieval.templates, origin));
   MORTISE_ASSIGN_OR_RETURN(IndexQuery wanted, IndexQueryOf(request, *query, *index, *filter));
   const std::vector<Eigen::VectorXd> turned = wanted.descriptors;
+  FilterTally tally;
   MORTISE_ASSIGN_OR_RETURN(
       const FilteredMatches found,
-      FindMatches(filter->design, std::move(wanted), *index, retrieval.facts, call));
+      FindMatches(filter->design, std::move(wanted), *index, retrieval.facts, call, &tally));
   v1::SearchShapesResponse response;
   for (const IndexMatch& each : found.matches) {
     MORTISE_ASSIGN_OR_RETURN(*response.add_matches(), MatchOf(each, *index));
   }
   AddNotes(*query, *index, found, &response);
+  if (found.matches.empty()) {
+    response.add_notes(WhyNothingIsFound(*filter, index->record, tally, found.looked_at));
+  }
   response.set_shape_descriptor(index->record.shape_descriptor());
   response.set_families(index->record.family_count());
   response.set_designs_looked_at(found.looked_at);

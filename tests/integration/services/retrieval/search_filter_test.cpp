@@ -22,9 +22,12 @@
 namespace mortise::retrieval {
 namespace {
 
+using ::testing::AllOf;
 using testing::BuiltState;
 using testing::Call;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::kCoarse;
 using testing::RetrievalHouse;
@@ -151,14 +154,61 @@ TEST_F(SearchFilterTest, LooksAtCategoriesAndLabels) {
   EXPECT_THAT(NamesOf(Find(request)),
               ::testing::IsSupersetOf({"templates/bench", "templates/desk"}));
   EXPECT_THAT(NamesOf(Find(request)), ::testing::Not(::testing::Contains("templates/table")));
-  request.clear_categories();
-  request.add_categories("boots");
-  EXPECT_THAT(NamesOf(Find(request)), IsEmpty());
   request = ForTable();
   (*request.mutable_filter()->mutable_labels())["room"] = "office";
   EXPECT_THAT(NamesOf(Find(request)), ElementsAre("templates/desk"));
   request.add_templates("templates/table");
   EXPECT_THAT(NamesOf(Find(request)), IsEmpty());
+}
+
+TEST_F(SearchFilterTest, OffersOtherNamesForThoseThatAreNot) {
+  v1::SearchShapesRequest request = ForTable();
+  request.add_templates("templates/boat");
+  request.add_templates("templates/tabel");
+  request.add_categories("tabel");
+  request.mutable_design_filter()->add_materials("materials/nix");
+  request.mutable_design_filter()->add_items()->set_item("items/dovel-8x50");
+  const absl::Status refused = house_->Search(request).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << refused;
+  std::map<std::string, std::string> messages;
+  for (const FieldViolation& each : AllViolationsOf(refused)) messages[each.field] = each.message;
+  ASSERT_EQ(messages.size(), 4u) << refused;
+  EXPECT_THAT(messages["templates[1]"], HasSubstr("did you mean 'table'?"));
+  EXPECT_THAT(messages["categories[0]"], HasSubstr("did you mean 'table'?"));
+  EXPECT_THAT(messages["design_filter.materials[0]"], HasSubstr("there is no material 'nix'"));
+  EXPECT_THAT(messages["design_filter.items[0].item"], HasSubstr("did you mean 'dowel-8x50'?"));
+}
+
+// What the catalog has and no template of the index is made of is no mistake.
+TEST_F(SearchFilterTest, SaysWhatLeftNothing) {
+  v1::SearchShapesRequest request = ForTable();
+  request.add_categories("chair");
+  request.mutable_design_filter()->mutable_min_size()->set_x(50);
+  auto found = house_->Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches_size(), 0);
+  EXPECT_THAT(found->notes(),
+              Contains(AllOf(HasSubstr("Nothing is left"), HasSubstr("1 of the categories"),
+                             HasSubstr("0 of the size"))));
+  request = ForTable();
+  request.mutable_design_filter()->add_items()->set_item("items/bearing-608");
+  found = house_->Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches_size(), 0);
+  EXPECT_THAT(found->notes(), Contains(HasSubstr("0 with any of the items")));
+}
+
+TEST_F(SearchFilterTest, SaysWhichItemsTheNearestLacks) {
+  const Made made = Make(Find(ForTable()).front());
+  const auto needs = parametric::NeedsOf(made.design, made.function->head().items);
+  ASSERT_TRUE(needs.ok()) << needs.status();
+  ASSERT_GT(needs->size(), 1u);
+  v1::SearchShapesRequest request = ForTable();
+  request.mutable_design_filter()->add_items()->set_item(needs->front().item);
+  const auto found = house_->Search(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->matches_size(), 0);
+  EXPECT_THAT(found->notes(), Contains(HasSubstr("of " + needs->back().item + " (there are 0)")));
 }
 
 TEST_F(SearchFilterTest, LooksAtTheSizesOfTheMatchedDesigns) {
