@@ -273,20 +273,25 @@ void AddSearch(CLI::App& app, Session& session) {
   auto options = std::make_shared<SearchOptions>();
   CommandFlags flags(*app.add_subcommand("search", "Find the templates that can become a shape"));
   flags.Add("mesh", options->mesh, "File with a mesh: OBJ, OFF, PLY, STL, GLB or glTF");
-  flags.Add("--design", options->design, "A template whose design is looked for instead",
-            "design.template");
+  CLI::Option* const design =
+      flags.Add("--design", options->design, "A template whose design is looked for instead",
+                "design.template");
   flags
       .Add("--set", options->parameters, "NAME=VALUE of that design, such as length=1500mm",
            "design.parameters")
+      ->needs(design)
       ->allow_extra_args(false);
   flags.Add("--part", options->parts, "Only this part of the design; may be repeated")
+      ->needs(design)
       ->allow_extra_args(false);
   flags.AlsoGives("--part", "design.parts");
   flags.Add("--descriptor", options->descriptor, "d2, voxel or light-field", "shape_descriptor")
       ->capture_default_str();
-  flags.Add("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft",
-            "mesh.length_unit");
-  flags.Add("--up", options->up, "Axis of the mesh that points upwards: x, y or z", "mesh.up");
+  flags
+      .Add("--unit", options->unit, "Unit of the mesh: m, cm, mm, um, in or ft", "mesh.length_unit")
+      ->excludes(design);
+  flags.Add("--up", options->up, "Axis of the mesh that points upwards: x, y or z", "mesh.up")
+      ->excludes(design);
   flags.Add("--top", options->top, "How many matches", "limit")->capture_default_str();
   flags.Add("--template", options->templates, "Only this template; may be repeated", "templates")
       ->allow_extra_args(false);

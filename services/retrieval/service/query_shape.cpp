@@ -27,7 +27,7 @@ absl::StatusOr<std::optional<double>> StatedUnit(const v1::QueryMesh& query) {
 // The bytes that were sent or uploaded.
 absl::StatusOr<std::string> BytesOf(const v1::QueryMesh& query, const UploadedMeshes& meshes) {
   if (query.upload().empty()) {
-    if (query.file().empty()) return InvalidField("file", "is missing");
+    if (query.file().empty()) return InvalidField("file", "is missing, or empty");
     return query.file();
   }
   if (!query.file().empty()) return InvalidField("upload", "give either this or 'file'");
