@@ -1,5 +1,7 @@
 #include "cli/client/field_sources.h"
 
+#include <algorithm>
+
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
@@ -50,8 +52,16 @@ std::string FieldSources::SourceOf(std::string_view field) const {
 absl::Status FieldSources::Name(const absl::Status& status) const {
   if (status.ok()) return status;
   std::vector<FieldViolation> violations = ViolationsOf(status);
-  for (FieldViolation& violation : violations) violation.field = SourceOf(violation.field);
-  if (!violations.empty()) return InvalidFields(violations);
+  std::vector<FieldViolation> named;
+  for (FieldViolation& violation : violations) {
+    violation.field = SourceOf(violation.field);
+    // One flag may give several fields: what is wrong with each of them is said of it once.
+    const bool is_told = std::any_of(named.begin(), named.end(), [&](const FieldViolation& each) {
+      return each.field == violation.field && each.message == violation.message;
+    });
+    if (!is_told) named.push_back(std::move(violation));
+  }
+  if (!named.empty()) return InvalidFields(named);
   ErrorDetail detail = DetailOf(status);
   const std::string field = detail.field;
   detail.field = SourceOf(field);

@@ -27,7 +27,7 @@ class FieldSources {
   void AddFile(std::string field, std::string file);
 
   // The same failure, where its field has a source with that in the field's place. The longest
-  // field that was added counts.
+  // field that was added counts. What is wrong with several fields of one source is said once.
   absl::Status Name(const absl::Status& status) const;
 
  private:

@@ -93,7 +93,7 @@ Scene Settled(Scene scene, UpAxis up, std::optional<double> unit) {
       unit = guess->unit;
       scene.notes.push_back(guess->remark);
     } else {
-      scene.notes.push_back("The unit is not known: give length_unit for sizes in metres.");
+      scene.notes.push_back("The unit is not known: say it for sizes in metres.");
     }
   }
   return unit ? Scaled(std::move(scene), *unit) : scene;

@@ -102,7 +102,7 @@ absl::StatusOr<DesignFilter> ReadDesignFilter(const v1::DesignFilter& filter) {
   absl::Status status = ReadSize(filter.min_size(), "min_size", &design.min_size);
   status = CombineViolations(status, ReadSize(filter.max_size(), "max_size", &design.max_size));
   if (status.ok() && (design.min_size.array() > design.max_size.array()).any()) {
-    status = InvalidField("max_size", "is below min_size");
+    status = InvalidField("max_size", "is below the least size");
   }
   status = CombineViolations(status, ReadMaterials(filter, &design));
   status = CombineViolations(status, ReadPrice(filter, &design));

@@ -29,6 +29,17 @@ TEST(FieldSources, NamesWhatGaveTheField) {
   EXPECT_EQ(Named("specification.objectives[2].metric").message(), "--minimize mass: no");
 }
 
+TEST(FieldSources, SaysOnceWhatIsWrongWithSeveralFieldsOfOneFlag) {
+  FieldSources sources;
+  sources.Add("max_size", "--max-size");
+  const absl::Status named = sources.Name(InvalidFields(
+      {{"max_size.x", "no"}, {"max_size.y", "no"}, {"max_size.z", "no"}, {"limit", "no"}}));
+  const std::vector<FieldViolation> violations = ViolationsOf(named);
+  ASSERT_EQ(violations.size(), 2u) << named;
+  EXPECT_EQ(violations[0].field, "--max-size");
+  EXPECT_EQ(violations[1].field, "limit");
+}
+
 TEST(FieldSources, NamesThePlaceInAFile) {
   EXPECT_EQ(Named("specification.bounds[1].maximum").message(),
             "front.json: bounds[1].maximum: no");
