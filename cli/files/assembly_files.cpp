@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/field_sources.h"
@@ -270,6 +271,20 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
 // Whether a file is drawn, and no text.
 bool IsDrawn(const std::filesystem::path& file) { return IsStepFile(file) || IsMeshFile(file); }
 
+// Whether the name of a file says that it is an assembly's text. ReadMessage takes other names,
+// too.
+bool IsNamedAsText(const std::filesystem::path& file) {
+  const std::string extension = absl::AsciiStrToLower(file.extension().string());
+  return extension == ".textproto" || extension == ".txtpb" || extension == ".json";
+}
+
+absl::Status UnknownFormat(const std::filesystem::path& file) {
+  return InvalidField(file.string(),
+                      "is of no format that is imported: an assembly (.textproto, .json), STEP "
+                      "(.step, .stp, .stpz) or a mesh (.obj, .off, .ply, .stl, .glb, .gltf), by "
+                      "the end of its name");
+}
+
 // The assemblies of the files that are text, each at its file's place. Everything that is wrong
 // with any of them is told.
 absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
@@ -279,7 +294,9 @@ absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (IsDrawn(files[i])) continue;
     absl::StatusOr<v1::Assembly> text = ReadMessage<v1::Assembly>(files[i]);
-    faults = CombineViolations(faults, text.status());
+    // What is no text is not told of as if it were one.
+    const bool is_other = absl::IsInvalidArgument(text.status()) && !IsNamedAsText(files[i]);
+    faults = CombineViolations(faults, is_other ? UnknownFormat(files[i]) : text.status());
     if (text.ok()) texts[i] = *std::move(text);
   }
   MORTISE_RETURN_IF_ERROR(faults);
@@ -290,6 +307,9 @@ absl::StatusOr<std::vector<v1::Assembly>> ReadTexts(
 absl::Status CheckFlags(const ImportOptions& options) {
   const bool is_one = options.files.size() == 1;
   const bool is_mesh = is_one && IsMeshFile(options.files.front());
+  if (is_one && !IsDrawn(options.files.front()) && !IsNamedAsText(options.files.front())) {
+    return absl::OkStatus();  // reading it tells what it is
+  }
   if (options.HasMeshOptions() && !is_mesh) {
     return InvalidField(!options.unit.empty() ? "--unit"
                         : !options.up.empty() ? "--up"
