@@ -9,12 +9,15 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "cli/client/ending_signals.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/rpc/channel.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/operations.grpc.pb.h"
 
@@ -22,6 +25,7 @@ namespace mortise::cli {
 namespace {
 
 constexpr double kCancelPatience = 10;  // s
+constexpr absl::Duration kPendingPatience = absl::Seconds(2);
 
 // What a command that was asked to end says of the operation it cancelled.
 std::string WhatWasKept(const v1::Operation& operation, const std::string& what_stays) {
@@ -126,9 +130,19 @@ class Following {
   }
 
   absl::StatusOr<v1::Operation> Watch(const std::stop_token& stop) {
+    std::atomic<bool> is_pending = operation().state() == v1::Operation::PENDING;
+    const std::jthread patience([&](const std::stop_token& ended) {
+      if (!rpc::Pause(kPendingPatience, ended) || !is_pending) return;
+      output_.Progress(0, 0,
+                       absl::StrCat("waiting until the service has ended other work; see what "
+                                    "runs with: ",
+                                    client_.command(), " operations list --active"));
+    });
     return client_.Follow(
         operation().name(),
-        [this](const v1::Operation& now) {
+        [this, &is_pending](const v1::Operation& now) {
+          is_pending = now.state() == v1::Operation::PENDING;
+          if (is_pending && now.progress().message().empty()) return;
           output_.Progress(now.progress().done(), now.progress().total(), now.progress().message());
         },
         stop);

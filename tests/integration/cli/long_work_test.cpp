@@ -133,6 +133,16 @@ TEST_F(LongWorkTest, WatchingEndsWithoutCancelling) {
   EXPECT_EQ(unknown->Wait(), 1);
 }
 
+TEST_F(LongWorkTest, WhatWaitsForOtherWorkSaysSo) {
+  house_.AddPending(kPlanning);
+  const auto watch = Start({"operations", "watch", kPlanning});
+  ASSERT_TRUE(watch->AwaitOutput("operations list --active")) << watch->Output();
+  v1::Plan made;
+  made.set_name("plans/p1");
+  house_.Finish(kPlanning, made);
+  EXPECT_EQ(watch->Wait(), 0);
+}
+
 TEST_F(LongWorkTest, ListsWhatRunsFromAllPages) {
   house_.Add("operations/fabplanner/a");
   house_.Add("operations/pareto/b");

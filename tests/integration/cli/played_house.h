@@ -104,7 +104,9 @@ class PlayedHouse final : public v1::OperationService::Service,
       }
       const v1::Operation now = operations_[request->name()];
       if (!writer->Write(now)) break;
-      if (now.state() != v1::Operation::RUNNING) break;
+      const bool goes_on =
+          now.state() == v1::Operation::RUNNING || now.state() == v1::Operation::PENDING;
+      if (!goes_on) break;
       // Looks now and then whether the watcher is still there.
       changed_.wait_for(lock, std::chrono::milliseconds(50));
     }
@@ -176,6 +178,14 @@ class PlayedHouse final : public v1::OperationService::Service,
   void Add(const std::string& name) {
     const std::lock_guard lock(mutex_);
     Begin(name, "CreatePlan", "templates/table");
+  }
+
+  // One that waits for others to end.
+  void AddPending(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    Begin(name, "CreatePlan", "templates/table");
+    operations_[name].set_state(v1::Operation::PENDING);
+    operations_[name].clear_progress();
   }
 
   template <typename Message>
