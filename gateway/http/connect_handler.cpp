@@ -92,7 +92,10 @@ absl::StatusOr<std::shared_ptr<const Caller>> ReadCallHead(const HttpContext& co
 absl::Status BodyFailure(HttpReadResult result) {
   switch (result) {
     case HttpReadResult::kTooLarge:
-      return TooLarge("the request's body", absl::StrCat(kMaximalBodyBytes, " bytes"));
+      return TooLarge("the request's body",
+                      absl::StrCat(kMaximalBodyBytes,
+                                   " bytes, which hold all messages of a stream, too, and bytes "
+                                   "as base64; what is larger needs gRPC"));
     case HttpReadResult::kMalformed:
       return InvalidField("request", "has a body that is not as its headers say");
     case HttpReadResult::kTooSlow:
