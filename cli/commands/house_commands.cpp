@@ -136,6 +136,11 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
     if (!announced && launcher.Serving()) {
       announced = true;
       PrintHouse(launcher.house(), output);
+      if (options.collection.empty()) {
+        output.Note(
+            "no collection was found beside the programs: the catalog has only what is imported "
+            "into it; --collection FOLDER names one");
+      }
       output.Line(absl::StrFormat("all serving after %.1f s; Ctrl-C or `mortise down` stops them",
                                   std::chrono::duration<double>(Clock::now() - begin).count()));
     }
