@@ -85,7 +85,9 @@ absl::StatusOr<Scene> ImportScene(std::string_view bytes, std::string_view file_
   MORTISE_ASSIGN_OR_RETURN(const CleanedFile cleaned, Clean(bytes, format));
   MORTISE_ASSIGN_OR_RETURN(Scene scene, ReadByAssimp(cleaned));
   if (scene.components.empty()) {
-    return InvalidField("file", "has no triangle that has an area");
+    return InvalidField("file",
+                        "has no triangle that has an area, to the seven digits that coordinates "
+                        "are read with: a thing far from the origin is to be moved to it");
   }
   if (format == SceneFormat::kGlb || format == SceneFormat::kGltf) {
     scene.unit = 1;

@@ -32,7 +32,10 @@ absl::Status ObjectText::AddVertex(const std::vector<std::string_view>& words, l
                          absl::StrCat("\"", AbslView(words[i].substr(0, 20)), "\" is no number"));
     }
     const auto single = static_cast<float>(*number);
-    if (!std::isfinite(single)) return FaultAtLine(line, "a coordinate is not finite");
+    if (!std::isfinite(single)) {
+      return FaultAtLine(line, std::isfinite(*number) ? "a coordinate is larger than 3.4e38"
+                                                      : "a coordinate is not finite");
+    }
     if (i == 3 && single == 0) return FaultAtLine(line, "the fourth coordinate is 0");
     // Written anew: libassimp takes ".5" for no number and passes over the vertex.
     std::array<char, 32> digits;
