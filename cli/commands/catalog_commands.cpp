@@ -108,6 +108,14 @@ absl::Status ExportTo(const EvaluateOptions& options, v1::ExportDesignRequest::F
   return absl::OkStatus();
 }
 
+// "18.620 kg", with how many parts it is not known of.
+std::string MassText(const v1::EvaluatedDesign& design, int unweighed) {
+  if (unweighed == 0) return absl::StrFormat("%.3f kg", design.mass());
+  if (unweighed == design.parts_size()) return "mass not known, as parts have no material";
+  return absl::StrFormat("%.3f kg without %d parts that have no material", design.mass(),
+                         unweighed);
+}
+
 absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& output) {
   v1::EvaluateTemplateRequest request;
   request.set_name(ResourceName("templates", options.subject));
@@ -128,16 +136,18 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   }
   MORTISE_RETURN_IF_ERROR(evaluated);
   std::vector<std::vector<std::string>> rows;
+  int unweighed = 0;  // parts of nothing that has a density
   for (const v1::EvaluatedPart& part : design.parts()) {
     const std::string& made_of = part.item().empty() ? part.material() : part.item();
     rows.push_back({part.name(), made_of, Millimetres(part.size().x()),
                     Millimetres(part.size().y()), Millimetres(part.size().z()),
-                    absl::StrFormat("%.3f kg", part.mass())});
+                    part.mass() > 0 ? absl::StrFormat("%.3f kg", part.mass()) : ""});
+    if (part.mass() == 0) ++unweighed;
   }
   output.Table({"part", "item", "length", "width", "thickness", "mass"}, rows);
   for (const std::string& fault : design.faults()) output.Line(absl::StrCat("fault: ", fault));
-  output.Line(absl::StrFormat("%d parts, %d pegs, %.3f kg", design.parts_size(),
-                              design.connectors_size(), design.mass()));
+  output.Line(absl::StrFormat("%d parts, %d pegs, %s", design.parts_size(),
+                              design.connectors_size(), MassText(design, unweighed)));
   if (design.structure().counts_size() > 0) {
     output.Line(absl::StrCat("structure: ", design.structure().description()));
   }
