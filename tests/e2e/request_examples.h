@@ -206,7 +206,7 @@ inline constexpr Example kExamples[] = {
     {"RetrievalService/UploadMesh", "data: 'abc' total_size: 4", Outcome::kRefused},
     {"RetrievalService/BuildIndex", "request_id: 'bad-50' templates: 'templates/table'",
      Outcome::kChanges},
-    {"RetrievalService/DeleteIndex", "request_id: 'bad-60' name: 'indexes/voxel'",
+    {"RetrievalService/DeleteIndex", "request_id: 'bad-90' name: 'indexes/voxel'",
      Outcome::kRefused},
     {"RetrievalService/GetIndex", "name: 'indexes/voxel'", Outcome::kRefused},
     {"RetrievalService/ListIndexFamilies", "name: 'indexes/voxel' page_size: 10",

@@ -5,7 +5,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/assembly/parametric_assembly.h"
+#include "common/assembly/sub_tree.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/base/violation_lists.h"
 #include "common/design/parameter_values.h"
 #include "common/files/template_codec.h"
@@ -52,6 +55,33 @@ absl::StatusOr<QueryShape> ReadMesh(const v1::QueryMesh& query, const UploadedMe
                     .unit_is_known = unit_is_known};
 }
 
+// The parts that a query names, and those below the groups of an assembly that it names.
+absl::StatusOr<std::set<std::string>> PartsOf(const v1::QueryDesign& query,
+                                              const templates::Template& function,
+                                              const Eigen::VectorXd& q,
+                                              const parametric::EvaluatedDesign& design) {
+  std::set<std::string> there, parts;
+  for (const parametric::EvaluatedPart& part : design.parts) there.insert(part.name);
+  for (const std::string& name : query.parts()) {
+    if (there.contains(name)) {
+      parts.insert(name);
+      continue;
+    }
+    MORTISE_ASSIGN_OR_RETURN(const auto assembled, function.AssemblyAt(q));
+    const auto below =
+        assembled ? parametric::SubTreeOf(assembled->assembly->assembly(), name)
+                  : absl::StatusOr<parametric::Assembly>(absl::NotFoundError("no assembly"));
+    if (!below.ok()) {
+      return InvalidField("parts", absl::StrCat("the design has no part or group '", name, "'",
+                                                NamesOffered(name, {there.begin(), there.end()})));
+    }
+    for (const parametric::AssemblyPart& part : below->parts) {
+      if (there.contains(part.name)) parts.insert(part.name);
+    }
+  }
+  return parts;
+}
+
 absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSource& templates,
                                       const rpc::Origin& origin) {
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const CompiledTemplate> compiled,
@@ -63,13 +93,9 @@ absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSour
                            compiled->function->Evaluate(q));
   QueryShape shape{.surface = DesignSurface(design), .notes = {}, .title = compiled->title};
   if (query.parts().empty()) return shape;
-  const absl::StatusOr<mesh::SurfaceMesh> some =
-      DesignSurface(design, {query.parts().begin(), query.parts().end()});
-  if (!some.ok()) {
-    return InvalidField(
-        "parts", absl::StrCat("the design has no part '", DetailOf(some.status()).field, "'"));
-  }
-  shape.surface = *some;
+  MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> parts,
+                           PartsOf(query, *compiled->function, q, design));
+  MORTISE_ASSIGN_OR_RETURN(shape.surface, DesignSurface(design, parts));
   return shape;
 }
 

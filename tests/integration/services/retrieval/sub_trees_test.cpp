@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "common/base/errors.h"
 #include "common/base/files.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
@@ -163,6 +164,22 @@ TEST_F(SubTreesTest, AreFoundTheSameEachTime) {
       EXPECT_EQ(again->matches(i).ShortDebugString(), first->matches(i).ShortDebugString());
     }
   }
+}
+
+TEST_F(SubTreesTest, AreAskedForByTheirGroups) {
+  v1::SearchShapesRequest request;
+  request.set_shape_descriptor(v1::VOXEL);
+  request.mutable_design()->set_template_(kChest);
+  request.mutable_design()->add_parts("drawer");
+  const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
+  const auto found = Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->matches(0).group(), "drawer");
+  request.mutable_design()->set_parts(0, "drawers");
+  const absl::Status refused =
+      Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request).status();
+  EXPECT_EQ(DetailOf(refused).field, "design.parts") << refused;
+  EXPECT_THAT(refused.message(), ::testing::HasSubstr("drawer"));
 }
 
 TEST_F(SubTreesTest, DoNotStandForTheWhole) {
