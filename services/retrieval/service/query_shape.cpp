@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/assembly/parametric_assembly.h"
@@ -72,8 +73,14 @@ absl::StatusOr<std::set<std::string>> PartsOf(const v1::QueryDesign& query,
         assembled ? parametric::SubTreeOf(assembled->assembly->assembly(), name)
                   : absl::StatusOr<parametric::Assembly>(absl::NotFoundError("no assembly"));
     if (!below.ok()) {
+      std::vector<std::string> names(there.begin(), there.end());
+      if (assembled) {
+        for (const auto& group : assembled->assembly->assembly().groups) {
+          names.push_back(group.name);
+        }
+      }
       return InvalidField("parts", absl::StrCat("the design has no part or group '", name, "'",
-                                                NamesOffered(name, {there.begin(), there.end()})));
+                                                NamesOffered(name, names)));
     }
     for (const parametric::AssemblyPart& part : below->parts) {
       if (there.contains(part.name)) parts.insert(part.name);

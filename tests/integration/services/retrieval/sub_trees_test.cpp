@@ -167,9 +167,11 @@ TEST_F(SubTreesTest, AreFoundTheSameEachTime) {
 }
 
 TEST_F(SubTreesTest, AreAskedForByTheirGroups) {
+  const auto index = Index();
+  ASSERT_TRUE(index.ok()) << index.status();
   v1::SearchShapesRequest request;
   request.set_shape_descriptor(v1::VOXEL);
-  request.mutable_design()->set_template_(kChest);
+  request.mutable_design()->set_template_(index->families(0).template_());
   request.mutable_design()->add_parts("drawer");
   const auto retrieval = v1::RetrievalService::NewStub(house_->service.channel());
   const auto found = Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request);
@@ -179,7 +181,7 @@ TEST_F(SubTreesTest, AreAskedForByTheirGroups) {
   const absl::Status refused =
       Call(*retrieval, &v1::RetrievalService::Stub::SearchShapes, request).status();
   EXPECT_EQ(DetailOf(refused).field, "design.parts") << refused;
-  EXPECT_THAT(refused.message(), ::testing::HasSubstr("drawer"));
+  EXPECT_THAT(refused.message(), ::testing::HasSubstr("did you mean 'drawer'?"));
 }
 
 TEST_F(SubTreesTest, DoNotStandForTheWhole) {
