@@ -27,8 +27,10 @@ struct WeldedSurface {
 absl::StatusOr<WeldedSurface> Weld(const mesh::SurfaceMesh& surface);
 
 // The standard deviation of noise that the vertices have along the normal, estimated by how far
-// they lie from the middle of those around them; m. Next to nothing on smooth surfaces, whatever
-// their edges, as most vertices are on none. 0 for what has few vertices within.
+// they lie from the middle of those around them, or, where that is much less, by how far the
+// neighbours of triangles are out of their planes, medians both; m. Next to nothing on smooth
+// surfaces, whatever their edges, and however few and large their triangles are: a mesh most of
+// whose triangles lie in the plane of a neighbour has no noise. 0 for what has few vertices within.
 double EstimateNoise(const WeldedSurface& surface);
 
 }  // namespace mortise::retrieval

@@ -10,11 +10,33 @@
 #include "common/base/random.h"
 #include "common/mesh/point_merger.h"
 #include "common/mesh/surface_mesh.h"
+#include "tests/unit/services/retrieval/descriptors/furniture.h"
 
 namespace mortise::retrieval::testing {
 
 inline double DiagonalOf(const mesh::SurfaceMesh& surface) {
   return (surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff()).norm();
+}
+
+// Seven boards between two sides, each a box of twelve triangles that touches others.
+inline mesh::SurfaceMesh Shelf(double length, double thickness) {
+  constexpr double kDepth = 0.3, kHeight = 1.8;
+  constexpr int kBoards = 7;
+  std::vector<mesh::SurfaceMesh> boxes = {
+      Box({0, 0, 0}, {thickness, kDepth, kHeight}),
+      Box({length - thickness, 0, 0}, {length, kDepth, kHeight})};
+  for (int i = 0; i < kBoards; ++i) {
+    const double bottom = i * (kHeight - thickness) / (kBoards - 1);
+    boxes.push_back(Box({thickness, 0, bottom}, {length - thickness, kDepth, bottom + thickness}));
+  }
+  mesh::SurfaceMesh shelf{Eigen::Matrix3Xd(3, 8 * boxes.size()),
+                          Eigen::Matrix3Xi(3, 12 * boxes.size())};
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const auto first = static_cast<Eigen::Index>(i);
+    shelf.vertices.middleCols(8 * first, 8) = boxes[i].vertices;
+    shelf.triangles.middleCols(12 * first, 12) = boxes[i].triangles.array() + 8 * int(i);
+  }
+  return shelf;
 }
 
 // The same surface with edges no longer than `longest`, halved where they are; vertices at one

@@ -71,6 +71,21 @@ TEST(WeldedSurfaceTest, EstimatesNoise) {
   EXPECT_EQ(EstimateNoise(*Weld(Box({0, 0, 0}, {1, 1, 1}))), 0);
 }
 
+// Corners are far from the middle of those around them, which is no noise.
+TEST(WeldedSurfaceTest, TakesCornersOfManyBoxesForNoNoise) {
+  const auto welded = Weld(testing::Placed(testing::Shelf(1.2, 0.018), 0.4, {3, 2, 1}));
+  ASSERT_TRUE(welded.ok()) << welded.status();
+  EXPECT_LT(EstimateNoise(*welded), 1e-9);
+}
+
+TEST(WeldedSurfaceTest, TakesRoundSurfacesForNoNoise) {
+  mesh::SurfaceMesh ball = testing::Refined(Box({-1, -1, -1}, {1, 1, 1}), 0.15);
+  ball.vertices.colwise().normalize();
+  const auto welded = Weld(ball);
+  ASSERT_TRUE(welded.ok()) << welded.status();
+  EXPECT_LT(EstimateNoise(*welded), 1e-3);
+}
+
 TEST(WeldedSurfaceTest, RefusesWhatHasNoArea) {
   EXPECT_EQ(DetailOf(Weld({}).status()).field, "query");
   EXPECT_EQ(DetailOf(Weld(Box({0, 0, 0}, {1, 0, 0})).status()).field, "query");
