@@ -42,10 +42,10 @@ LinearConstraints Near(const FitFamily& family, const VectorXd& q) {
 
 absl::StatusOr<VectorXd> NearerByDescriptor(const Descriptor& descriptor,
                                             const std::vector<VectorXd>& query,
-                                            const FitFamily& family, const VectorXd& q,
+                                            const FitFamily& family, FamilyMember member,
                                             int threads) {
+  if (member.meshed_anew) return member.q;
   const VectorXd ranges = family.surfaces.upper - family.surfaces.lower;
-  MORTISE_ASSIGN_OR_RETURN(FamilyMember member, MakeMember(family, q, threads));
   const Eigen::Matrix3Xi triangles = member.surface.triangles;
   MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<BoundDescriptor> bound,
                            descriptor.Bind(member.surface));

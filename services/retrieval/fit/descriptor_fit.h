@@ -10,14 +10,15 @@
 
 namespace mortise::retrieval {
 
-// From q, feasible, a few Gauss-Newton steps within the constraints towards the descriptor of a
-// query: of its vectors, one for each turn, the nearest. The descriptor is bound to the design at q
-// and follows its vertices; where the triangles become others, the steps end. Never returns
-// parameters whose design is further by the descriptor than that at q. Fails as MakeMember and
+// From a member, a few Gauss-Newton steps within the constraints towards the descriptor of a
+// query: of its vectors, one for each turn, the nearest. The descriptor is bound to the member
+// and follows its vertices; where the triangles become others, the steps end, and none is taken
+// from a member whose like are meshed anew. Never returns parameters whose design is further by the
+// descriptor than the member. Fails as MakeMember and
 // Descriptor::Bind. It takes two derivatives of the descriptor or so, and few designs.
 absl::StatusOr<Eigen::VectorXd> NearerByDescriptor(const Descriptor& descriptor,
                                                    const std::vector<Eigen::VectorXd>& query,
-                                                   const FitFamily& family,
-                                                   const Eigen::VectorXd& q, int threads);
+                                                   const FitFamily& family, FamilyMember member,
+                                                   int threads);
 
 }  // namespace mortise::retrieval

@@ -29,6 +29,7 @@ constexpr double kShortStep = 1e-3;     // of a parameter's range
 constexpr double kLongStep = 2e-2;      // where the triangles differ
 constexpr double kWish = 0.1;           // of a range, towards what is feasible
 constexpr double kStale = 0.05;         // of a surface's motion: more is another velocity
+constexpr double kStaleOfSolids = 0.3;  // the same where members are meshed anew
 constexpr double kRounding = 1e-9;      // of the diagonal
 constexpr double kNormalLength = 0.05;  // of the diagonal
 constexpr Index kFacePoints = 3000;
@@ -127,9 +128,15 @@ absl::StatusOr<MatrixXd> DirectionsAt(const FitFamily& family, const VectorXd& q
   return directions;
 }
 
-// How the surface moves along a direction; nothing where that cannot be made.
-absl::StatusOr<Matrix3Xd> MotionAlong(const FitFamily& family, const FamilyMember& member,
-                                      const VectorXd& direction) {
+struct Motion {
+  Matrix3Xd velocity;        // of the vertices
+  bool meshed_anew = false;  // whether the surface beside had other triangles
+};
+
+// How the surface moves along a direction; nothing where that cannot be made. Where members are
+// known to be meshed anew, only one is made.
+absl::StatusOr<Motion> MotionAlong(const FitFamily& family, const FamilyMember& member,
+                                   const VectorXd& direction, bool meshed_anew) {
   const VectorXd ranges = family.surfaces.upper - family.surfaces.lower;
   const auto beside = [&](double step) -> absl::StatusOr<SurfaceMesh> {
     const VectorXd q = member.q + step * direction;
@@ -142,16 +149,21 @@ absl::StatusOr<Matrix3Xd> MotionAlong(const FitFamily& family, const FamilyMembe
   };
   absl::Status failed;
   for (const double sign : {1.0, -1.0}) {
-    const absl::StatusOr<SurfaceMesh> near = beside(sign * kShortStep);
-    failed.Update(near.status());
-    if (!near.ok()) continue;
-    if (HaveSameTriangles(*near, member.surface)) {
-      return Matrix3Xd((near->vertices - member.surface.vertices) / (sign * kShortStep));
+    if (!meshed_anew) {
+      const absl::StatusOr<SurfaceMesh> near = beside(sign * kShortStep);
+      failed.Update(near.status());
+      if (!near.ok()) continue;
+      if (HaveSameTriangles(*near, member.surface)) {
+        return Motion{(near->vertices - member.surface.vertices) / (sign * kShortStep), false};
+      }
     }
     const absl::StatusOr<SurfaceMesh> far = beside(sign * kLongStep);
     failed.Update(far.status());
     if (!far.ok()) continue;
-    return Matrix3Xd(NormalMotion(member.surface, *far) / (sign * kLongStep));
+    if (HaveSameTriangles(*far, member.surface)) {
+      return Motion{(far->vertices - member.surface.vertices) / (sign * kLongStep), false};
+    }
+    return Motion{NormalMotion(member.surface, *far) / (sign * kLongStep), true};
   }
   return failed;
 }
@@ -163,10 +175,16 @@ absl::Status AddVelocities(const FitFamily& family, int threads, FamilyMember* m
   }
   MORTISE_ASSIGN_OR_RETURN(const MatrixXd directions, DirectionsAt(family, member->q));
   const Index count = directions.cols();
-  std::vector<absl::StatusOr<Matrix3Xd>> motions(static_cast<std::size_t>(count));
-  ParallelFor(static_cast<int>(count), threads, [&](int k) {
-    motions[static_cast<std::size_t>(k)] = MotionAlong(family, *member, directions.col(k));
-  });
+  std::vector<absl::StatusOr<Motion>> motions(static_cast<std::size_t>(count));
+  const auto look = [&](Index k) {
+    motions[static_cast<std::size_t>(k)] =
+        MotionAlong(family, *member, directions.col(k), member->meshed_anew);
+  };
+  // The first tells how the others are best looked at.
+  look(0);
+  MORTISE_RETURN_IF_ERROR(motions[0].status());
+  member->meshed_anew = member->meshed_anew || motions[0]->meshed_anew;
+  ParallelFor(static_cast<int>(count) - 1, threads, [&](int k) { look(k + 1); });
   for (const auto& motion : motions) MORTISE_RETURN_IF_ERROR(motion.status());
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> factor(directions);
   const MatrixXd inverse = factor.pseudoInverse();
@@ -175,7 +193,7 @@ absl::Status AddVelocities(const FitFamily& family, int threads, FamilyMember* m
     for (Index along = 0; along < count; ++along) {
       if (inverse(along, k) == 0) continue;
       member->velocities[static_cast<std::size_t>(k)] +=
-          inverse(along, k) * *motions[static_cast<std::size_t>(along)];
+          inverse(along, k) * motions[static_cast<std::size_t>(along)]->velocity;
     }
   }
   return absl::OkStatus();
@@ -232,7 +250,9 @@ std::optional<std::vector<Matrix3Xd>> StillHolding(const FamilyMember& from, con
     return from.velocities;
   }
   const double motion = NormalDifference(predicted, from.surface);
-  if (NormalDifference(surface, predicted) > kStale * motion + rounding) return std::nullopt;
+  if (NormalDifference(surface, predicted) > kStaleOfSolids * motion + rounding) {
+    return std::nullopt;
+  }
   return Transported(from, predicted, surface);
 }
 
@@ -280,7 +300,7 @@ absl::StatusOr<VectorXd> NearestFeasible(const FitFamily& family, const VectorXd
 
 absl::StatusOr<FamilyMember> MakeMember(const FitFamily& family, const VectorXd& q, int threads) {
   MORTISE_ASSIGN_OR_RETURN(SurfaceMesh surface, family.surfaces.surface(q));
-  FamilyMember member{q, std::move(surface), {}};
+  FamilyMember member{q, std::move(surface), {}, false};
   MORTISE_RETURN_IF_ERROR(AddVelocities(family, threads, &member));
   return member;
 }
@@ -288,7 +308,7 @@ absl::StatusOr<FamilyMember> MakeMember(const FitFamily& family, const VectorXd&
 absl::StatusOr<FamilyMember> MoveMember(const FitFamily& family, const FamilyMember& from,
                                         const VectorXd& q, int threads) {
   MORTISE_ASSIGN_OR_RETURN(SurfaceMesh surface, family.surfaces.surface(q));
-  FamilyMember member{q, std::move(surface), {}};
+  FamilyMember member{q, std::move(surface), {}, from.meshed_anew};
   if (!family.surfaces.velocities) {
     std::optional<std::vector<Matrix3Xd>> velocities = StillHolding(from, q, member.surface);
     if (velocities) {

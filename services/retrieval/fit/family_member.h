@@ -26,6 +26,7 @@ struct FamilyMember {
   Eigen::VectorXd q;                         // K
   mesh::SurfaceMesh surface;                 // m
   std::vector<Eigen::Matrix3Xd> velocities;  // K of 3 × V: m by unit of each parameter
+  bool meshed_anew = false;  // whether members beside it have other triangles, as those of solids
 
   // The surface at other parameters, to first order.
   mesh::SurfaceMesh At(const Eigen::VectorXd& other) const;
@@ -41,12 +42,15 @@ absl::StatusOr<Eigen::VectorXd> NearestFeasible(const FitFamily& family, const E
 // The member at q. Velocities are the family's own; else by differences of vertices over a
 // thousandth of each range; where triangles differ, as those of solids do, they are how fast the
 // faces move along their normals, by differences over a fiftieth. With `threads`, parameters are
-// looked at in parallel. Fails where the member or one beside it cannot be made.
+// looked at in parallel. It makes a member for each parameter, or one more where triangles differ.
+// Fails where the member or one beside it cannot be made.
 absl::StatusOr<FamilyMember> MakeMember(const FitFamily& family, const Eigen::VectorXd& q,
                                         int threads);
 
 // The member at q, with the velocities of one not far away where they still hold: where its surface
-// is, but for a small part of how far it has moved, where these say. Otherwise as MakeMember.
+// is, but for a small part of how far it has moved, where these say. That part may be larger where
+// each member is meshed anew, as these take long: whoever goes on from there by the surface as it
+// is needs only a few more steps. Otherwise as MakeMember.
 absl::StatusOr<FamilyMember> MoveMember(const FitFamily& family, const FamilyMember& from,
                                         const Eigen::VectorXd& q, int threads);
 

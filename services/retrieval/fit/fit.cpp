@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -104,7 +105,7 @@ class DesignFit {
  public:
   DesignFit(const FitQuery::Prepared& query, const FitFamily& family, const FitOptions& options)
       : query_(query),
-        family_(family),
+        family_(Watched(family, options)),
         options_(options),
         ranges_(family.surfaces.upper - family.surfaces.lower),
         constraints_(ConstraintsOf(family)) {}
@@ -112,6 +113,35 @@ class DesignFit {
   absl::StatusOr<FittedDesign> Run(std::vector<FitStart> starts) {
     AddByDescriptor(&starts);
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, CandidatesOf(starts));
+    MORTISE_ASSIGN_OR_RETURN(Fitted best, BestOf(candidates));
+    const absl::Status aligned =
+        Align(query_.fine, kFinePoints / 2, options_.fine_rounds, false, &best);
+    if (!aligned.ok() && !absl::IsDeadlineExceeded(aligned)) return aligned;
+    if (!aligned.ok()) best.converged = false;
+    return Told(std::move(best));
+  }
+
+ private:
+  // The family, of which no more designs are made once the fit is over.
+  static FitFamily Watched(const FitFamily& family, const FitOptions& options) {
+    FitFamily watched = family;
+    watched.surfaces.surface = [make = family.surfaces.surface,
+                                &options](const VectorXd& q) -> absl::StatusOr<mesh::SurfaceMesh> {
+      MORTISE_RETURN_IF_ERROR(MayGoOn(options));
+      return make(q);
+    };
+    return watched;
+  }
+
+  static absl::Status MayGoOn(const FitOptions& options) {
+    if (options.is_given_up()) return absl::CancelledError("the fit was given up");
+    if (options.is_out_of_time()) return absl::DeadlineExceededError("the fit ran out of time");
+    return absl::OkStatus();
+  }
+
+  // The candidate that comes nearest, once the likeliest are aligned coarsely; of those for which
+  // there is time.
+  absl::StatusOr<Fitted> BestOf(const std::vector<Candidate>& candidates) {
     absl::Status failure;
     std::optional<Fitted> best;
     const auto count = std::min(candidates.size(), static_cast<std::size_t>(options_.refined));
@@ -123,6 +153,10 @@ class DesignFit {
         if (!aligned.ok()) fitted = aligned;
       }
       if (absl::IsCancelled(fitted.status())) return fitted.status();
+      if (absl::IsDeadlineExceeded(fitted.status())) {
+        if (!best) return fitted.status();
+        break;
+      }
       if (!fitted.ok()) {
         if (failure.ok()) failure = fitted.status();
         continue;
@@ -130,21 +164,29 @@ class DesignFit {
       if (!best || fitted->difference < best->difference) best = *std::move(fitted);
     }
     if (!best) return failure;
-    MORTISE_RETURN_IF_ERROR(
-        Align(query_.fine, kFinePoints / 2, options_.fine_rounds, false, &*best));
-    return Told(*best);
+    return *std::move(best);
   }
 
- private:
   // One more start, from the first; none where it cannot be made, as others may.
-  void AddByDescriptor(std::vector<FitStart>* starts) const {
+  void AddByDescriptor(std::vector<FitStart>* starts) {
     if (options_.descriptor == nullptr || options_.descriptor_vectors.empty()) return;
     if (starts->empty() || starts->front().q.size() != ranges_.size()) return;
     const absl::StatusOr<VectorXd> first = NearestFeasible(family_, starts->front().q);
     if (!first.ok()) return;
+    const absl::StatusOr<FamilyMember> member = MemberOf(0, *first);
+    if (!member.ok()) return;
     absl::StatusOr<VectorXd> nearer = NearerByDescriptor(
-        *options_.descriptor, options_.descriptor_vectors, family_, *first, options_.threads);
-    if (nearer.ok()) starts->push_back({*std::move(nearer)});
+        *options_.descriptor, options_.descriptor_vectors, family_, *member, options_.threads);
+    if (nearer.ok() && *nearer != *first) starts->push_back({*std::move(nearer)});
+  }
+
+  // The member of a start, which is made once, however many turns it is aligned at.
+  absl::StatusOr<FamilyMember> MemberOf(std::size_t start, const VectorXd& q) {
+    const auto known = members_.find(start);
+    if (known != members_.end()) return known->second;
+    ++evaluations_;
+    MORTISE_ASSIGN_OR_RETURN(FamilyMember member, MakeMember(family_, q, options_.threads));
+    return members_.emplace(start, std::move(member)).first->second;
   }
 
   absl::StatusOr<std::vector<Candidate>> CandidatesOf(const std::vector<FitStart>& starts) {
@@ -156,7 +198,7 @@ class DesignFit {
         return InvalidField(absl::StrCat("starts[", i, "]"),
                             absl::StrCat("must have ", ranges_.size(), " finite parameters"));
       }
-      if (options_.is_given_up()) return absl::CancelledError("the fit was given up");
+      MORTISE_RETURN_IF_ERROR(MayGoOn(options_));
       absl::StatusOr<VectorXd> q = NearestFeasible(family_, starts[i].q);
       const absl::StatusOr<mesh::SurfaceMesh> surface =
           q.ok() ? family_.surfaces.surface(*q) : q.status();
@@ -216,9 +258,7 @@ class DesignFit {
   }
 
   absl::StatusOr<Fitted> Begin(const Candidate& candidate) {
-    ++evaluations_;
-    MORTISE_ASSIGN_OR_RETURN(FamilyMember member,
-                             MakeMember(family_, candidate.q, options_.threads));
+    MORTISE_ASSIGN_OR_RETURN(FamilyMember member, MemberOf(candidate.start, candidate.q));
     Fitted fitted{std::move(member), {candidate.q, candidate.pose}, 0, false};
     return fitted;
   }
@@ -232,7 +272,7 @@ class DesignFit {
     const double done = std::max(kDone, kDoneOfNoise * noise / diagonal);
     double reach = from_afar ? kFirstReach * diagonal : least;
     for (int round = 0; round < rounds; ++round) {
-      if (options_.is_given_up()) return absl::CancelledError("the fit was given up");
+      MORTISE_RETURN_IF_ERROR(MayGoOn(options_));
       const Placement begun = fitted->placement;
       const Alignment alignment(
           query, fitted->member,
@@ -250,6 +290,7 @@ class DesignFit {
         if (change.largest < done) break;
       }
       MoveTo(fitted);
+      if (fitted->member.q == begun.q && !MayGoOn(options_).ok()) fitted->placement = begun;
       const double moved =
           (fitted->placement.q - begun.q).cwiseQuotient(ranges_).cwiseAbs().maxCoeff();
       fitted->converged =
@@ -316,7 +357,7 @@ class DesignFit {
             pose.scale * query_.distances.From(pose.ToQuery(even))};
   }
 
-  FittedDesign Told(const Fitted& fitted) const {
+  FittedDesign Told(Fitted fitted) const {
     FittedDesign told;
     told.q = fitted.member.q;
     told.pose = fitted.placement.pose;
@@ -328,14 +369,16 @@ class DesignFit {
     told.iterations = iterations_;
     told.evaluations = evaluations_;
     told.converged = fitted.converged;
+    told.surface = std::move(fitted.member.surface);
     return told;
   }
 
   const FitQuery::Prepared& query_;
-  const FitFamily& family_;
+  const FitFamily family_;
   const FitOptions& options_;
   const VectorXd ranges_;
   const LinearConstraints constraints_;
+  std::map<std::size_t, FamilyMember> members_;  // by start
   int iterations_ = 0;
   int evaluations_ = 0;
 };

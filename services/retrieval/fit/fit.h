@@ -56,6 +56,8 @@ struct FitOptions {
   int refined = 3;      // starts that are aligned coarsely, >= 1
   int fine_rounds = 8;  // of steps that the best of them is aligned finely in, at most, >= 1
   int threads = 1;      // for designs beside each other
+  // Asked before each design that is made: true ends the fit with what it has by then.
+  std::function<bool()> is_out_of_time = [] { return false; };
   // Asked now and then: true ends the fit, CANCELLED.
   std::function<bool()> is_given_up = [] { return false; };
 };
@@ -68,16 +70,19 @@ struct FittedDesign {
   int iterations = 0;         // steps of the alignment, of all starts together
   int evaluations = 0;        // members of the family that were made, those beside it left out
   // Whether the last round of steps moved no parameter by more than a hundred thousandth of its
-  // range, or by more than a tenth of the standard deviation that noise in the query leaves it.
+  // range, or by more than a tenth of the standard deviation that noise in the query leaves it. Not
+  // where the time ran out.
   bool converged = false;
+  mesh::SurfaceMesh surface;  // of the design, in its own frame
 };
 
 // The member of the family that comes nearest to the query from one of the starts. Distances are
 // the design's metres. What the query does not show of a design keeps the value of its start; with
 // a free scale that may be how large all is. Starts outside of the feasible set begin nearest to
 // it. INVALID_ARGUMENT, "starts", for none or of another size than the family's box; the first
-// failure of the family where it has no member at any start; CANCELLED. The same arguments give the
-// same result on any number of threads.
+// failure of the family where it has no member at any start; DEADLINE_EXCEEDED where the time ran
+// out before one start was aligned coarsely; CANCELLED. The same arguments give the same result on
+// any number of threads, but for what time decides.
 absl::StatusOr<FittedDesign> FitDesign(const FitQuery& query, const FitFamily& family,
                                        const std::vector<FitStart>& starts,
                                        const FitOptions& options);

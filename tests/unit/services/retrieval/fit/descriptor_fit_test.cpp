@@ -30,7 +30,8 @@ TEST(DescriptorFitTest, ComesNearerByTheDescriptor) {
     const VectorXd vector = *(*descriptor)->Describe(Chair(hidden));
     const Eigen::MatrixXd turns = (*descriptor)->QuarterTurns(vector);
     for (const auto& turned : turns.colwise()) query.emplace_back(turned);
-    const auto nearer = NearerByDescriptor(**descriptor, query, family, start, 1);
+    const auto nearer =
+        NearerByDescriptor(**descriptor, query, family, *MakeMember(family, start, 1), 1);
     ASSERT_TRUE(nearer.ok()) << nearer.status();
     const auto distance = [&](const VectorXd& q) {
       const Vector4d at = q;
@@ -50,7 +51,8 @@ TEST(DescriptorFitTest, StaysWhereItCannotComeNearer) {
   const auto bound = (*descriptor)->Bind(Chair(hidden));
   ASSERT_TRUE(bound.ok());
   const VectorXd vector = *(*bound)->Describe(Chair(hidden).vertices);
-  const auto same = NearerByDescriptor(**descriptor, {vector}, family, hidden, 1);
+  const auto same =
+      NearerByDescriptor(**descriptor, {vector}, family, *MakeMember(family, hidden, 1), 1);
   ASSERT_TRUE(same.ok()) << same.status();
   EXPECT_LT((*same - hidden).norm(), 1e-6);
 }

@@ -68,6 +68,29 @@ TEST(FamilyMemberTest, KnowsHowFacesMoveWhoseTrianglesChange) {
   EXPECT_NEAR(member->At(other).vertices.row(1).maxCoeff(), 0.5, 1e-4);
 }
 
+// Solids take long to make: one design for each parameter is enough, and few that are not far away
+// need others beside them.
+TEST(FamilyMemberTest, MakesFewDesignsWhoseTrianglesChange) {
+  FitFamily family = Chairs();
+  int made = 0;
+  family.surfaces.surface = [&made](const VectorXd& q) {
+    mesh::SurfaceMesh chair = Chair(Eigen::Vector4d(q[0], q[1], q[2], q[3]));
+    const Eigen::Index count = chair.triangles.cols();
+    chair.triangles.conservativeResize(3, count + ++made);
+    for (int i = 0; i < made; ++i) chair.triangles.col(count + i) = chair.triangles.col(i);
+    return chair;
+  };
+  const Eigen::Vector4d q(0.45, 0.5, 0.42, 0.4);
+  const auto member = MakeMember(family, q, 1);
+  ASSERT_TRUE(member.ok()) << member.status();
+  EXPECT_TRUE(member->meshed_anew);
+  EXPECT_EQ(made, 6) << "one, one beside it to see what it is like, and one for each parameter";
+  const auto moved = MoveMember(family, *member, q + Eigen::Vector4d(0.01, 0.02, 0, -0.01), 1);
+  ASSERT_TRUE(moved.ok()) << moved.status();
+  EXPECT_TRUE(moved->meshed_anew);
+  EXPECT_EQ(made, 7);
+}
+
 TEST(FamilyMemberTest, FailsWhereNothingCanBeMade) {
   FitFamily family = Chairs();
   family.surfaces.surface = [](const VectorXd&) -> absl::StatusOr<mesh::SurfaceMesh> {

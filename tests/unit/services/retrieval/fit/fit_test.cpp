@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -68,6 +69,20 @@ TEST(FitTest, FindsTheSizesOfABox) {
   }
 }
 
+TEST(FitTest, FindsTheThicknessOfBoardsOfAnExactMesh) {
+  FitFamily family;
+  family.surfaces.lower = Eigen::Vector2d(0.6, 0.012);
+  family.surfaces.upper = Eigen::Vector2d(1.6, 0.04);
+  family.surfaces.surface = [](const VectorXd& q) { return testing::Shelf(q[0], q[1]); };
+  for (const Eigen::Vector2d& truth : {Eigen::Vector2d(1.3, 0.018), Eigen::Vector2d(0.7, 0.03)}) {
+    const auto fitted =
+        Fit(testing::Placed(testing::Shelf(truth[0], truth[1]), 1.57, {1, 2, 3}), family);
+    ASSERT_TRUE(fitted.ok()) << fitted.status();
+    EXPECT_LT(ErrorOf(*fitted, family, truth), 1e-3);
+    EXPECT_LT(fitted->beyond.percentile_95, 1e-4);
+  }
+}
+
 TEST(FitTest, SeesThroughTurnsAndTranslations) {
   const FitFamily family = Chairs();
   for (const double turn : {0.0, 0.5, 1.0, 1.5, 1.93}) {
@@ -108,7 +123,8 @@ TEST(FitTest, HasConvergedWhenMoreStepsChangeNothing) {
       after.push_back(*fitted);
     }
     for (const FittedDesign& fitted : after) {
-      if (fitted.converged) EXPECT_LT(ErrorOf(fitted, family, after.back().q), 1e-5) << noise;
+      if (!fitted.converged) continue;
+      EXPECT_LT(ErrorOf(fitted, family, after.back().q), 1e-5) << noise;
     }
     EXPECT_TRUE(after.back().converged) << noise;
     // The first round still moves what the coarse alignment has found by more than noise would.
@@ -159,6 +175,32 @@ TEST(FitTest, KeepsToWhatIsFeasible) {
   EXPECT_GT(nearest->q[0] + nearest->q[1], 1.5 - 1e-3);
   EXPECT_NEAR(nearest->q[2], 0.3, 1e-3);
   EXPECT_GT(nearest->beyond.root_mean_square + nearest->remaining.root_mean_square, 0.01);
+}
+
+// Time is counted in designs here.
+TEST(FitTest, EndsWithWhatItHasWhenTheTimeIsOut) {
+  FitFamily family = Chairs();
+  int made = 0, allowed = 0;
+  family.surfaces.surface = [&made, make = family.surfaces.surface](const VectorXd& q) {
+    ++made;
+    return make(q);
+  };
+  const FitOptions options{.is_out_of_time = [&] { return made >= allowed; }};
+  std::vector<bool> ended;  // with a design
+  for (allowed = 0; allowed < 40; ++allowed) {
+    made = 0;
+    const auto fitted = Fit(Chair(kChair), family, options);
+    EXPECT_LE(made, allowed);
+    ended.push_back(fitted.ok());
+    if (!fitted.ok()) {
+      EXPECT_TRUE(absl::IsDeadlineExceeded(fitted.status())) << fitted.status();
+      continue;
+    }
+    EXPECT_LT(ErrorOf(*fitted, family, kChair), 0.02) << allowed;
+  }
+  EXPECT_FALSE(ended.front());
+  EXPECT_TRUE(ended.back());
+  EXPECT_TRUE(std::is_sorted(ended.begin(), ended.end()));
 }
 
 TEST(FitTest, TellsWhyThereIsNone) {
