@@ -105,6 +105,7 @@ std::string RemainderOf(const v1::ShapeFit& fit) {
   if (!fit.fault().empty()) return absl::StrCat("no fit: ", fit.fault());
   std::string text =
       absl::StrFormat("%.3g mm, beyond %.3g mm", 1000 * fit.remaining(), 1000 * fit.beyond());
+  if (!fit.converged()) absl::StrAppend(&text, ", not converged");
   if (fit.scale_is_free()) absl::StrAppendFormat(&text, ", scale %.4g", fit.scale());
   return text;
 }
@@ -125,6 +126,13 @@ absl::Status Upload(v1::QueryMesh& mesh, v1::RetrievalService::Stub& stub,
   return absl::OkStatus();
 }
 
+absl::Status TookTooLong(double seconds) {
+  return absl::DeadlineExceededError(
+      absl::StrFormat("there was no answer within %.0f s: look for fewer matches with --top, or "
+                      "among fewer templates with --template",
+                      seconds));
+}
+
 absl::Status Search(SearchOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(v1::SearchShapesRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
@@ -133,11 +141,14 @@ absl::Status Search(SearchOptions& options, Session& session, Output& output) {
     MORTISE_RETURN_IF_ERROR(Upload(*request.mutable_mesh(), *stub, *client));
   }
   v1::SearchShapesResponse found;
-  MORTISE_RETURN_IF_ERROR(client->Call(
+  const double seconds = options.fit ? kSecondsWithFits : kSeconds;
+  const absl::Status searched = client->Call(
       [&](grpc::ClientContext& context) {
         return rpc::FromGrpc(stub->SearchShapes(&context, request, &found));
       },
-      options.fit ? kSecondsWithFits : kSeconds));
+      seconds);
+  if (absl::IsDeadlineExceeded(searched)) return TookTooLong(seconds);
+  MORTISE_RETURN_IF_ERROR(searched);
   if (!options.sheet.empty()) {
     MORTISE_RETURN_IF_ERROR(WriteFile(options.sheet, found.sheet()));
     found.clear_sheet();
@@ -295,7 +306,10 @@ void AddSearch(CLI::App& app, Session& session) {
   flags.Add("--top", options->top, "How many matches", "limit")->capture_default_str();
   flags.Add("--template", options->templates, "Only this template; may be repeated", "templates")
       ->allow_extra_args(false);
-  flags.command().add_flag("--fit", options->fit, "Fit the parameters of each match to the mesh");
+  flags.command().add_flag(
+      "--fit", options->fit,
+      "Fit the parameters of each match to the mesh: about a second each, up to "
+      "minutes where designs are solids");
   options->filter.AddTo(flags);
   flags.Add("--sheet", options->sheet, "PNG file for a picture of the matches");
   flags.command().footer("Example: mortise search chair.obj --top 5 --sheet out.png");

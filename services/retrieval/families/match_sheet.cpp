@@ -87,14 +87,14 @@ absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entrie
 }
 
 absl::StatusOr<std::string> DrawFitSheet(const SheetEntry& query,
-                                         const std::vector<SheetEntry>& designs) {
+                                         const std::vector<FitEntry>& designs) {
   if (designs.empty()) return InvalidField("designs", "are none");
   MORTISE_ASSIGN_OR_RETURN(const render::Shape asked, ShapeOf(query.surface, kQueryColor));
   render::Shape outline = asked;
   outline.filled = false;
   outline.edge_color = kOverlayColor;
   Sheet sheet;
-  for (const SheetEntry& design : designs) {
+  for (const auto& [design, comparison] : designs) {
     MORTISE_ASSIGN_OR_RETURN(const render::Shape fitted, ShapeOf(design.surface, kDesignColor));
     const render::Camera camera = CameraFor({asked, fitted}, kWidth, kHeight);
     const auto add = [&](std::vector<render::Shape> shapes, std::string caption) -> absl::Status {
@@ -105,7 +105,7 @@ absl::StatusOr<std::string> DrawFitSheet(const SheetEntry& query,
     };
     MORTISE_RETURN_IF_ERROR(add({asked}, query.caption));
     MORTISE_RETURN_IF_ERROR(add({fitted}, design.caption));
-    MORTISE_RETURN_IF_ERROR(add({fitted, outline}, "both"));
+    MORTISE_RETURN_IF_ERROR(add({fitted, outline}, comparison));
   }
   return sheet.Png(kFitColumns);
 }

@@ -24,10 +24,17 @@ struct SheetEntry {
 // into its frame. INVALID_ARGUMENT for no entries or an empty surface.
 absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entries);
 
+// A design as it was fitted, and what is written below it and the query in one place, as how far
+// the two are off each other.
+struct FitEntry {
+  SheetEntry design;
+  std::string comparison;
+};
+
 // A PNG with a row for each design, which stands where it does in the query's frame: the query, the
 // design, and both in one place, the query's edges over the design, all three seen from the same
 // side at the same size. INVALID_ARGUMENT for no designs or an empty surface.
 absl::StatusOr<std::string> DrawFitSheet(const SheetEntry& query,
-                                         const std::vector<SheetEntry>& designs);
+                                         const std::vector<FitEntry>& designs);
 
 }  // namespace mortise::retrieval

@@ -29,10 +29,14 @@ struct FitTask {
 
 // Fits the family of each match, from its nearest primitives on, several families at a time, and
 // tells of it in the match of the response, in their order. A fit that fails is told there, and the
-// match stays. Returns the designs that were fitted, where they stand in the query's frame, without
-// those that failed. CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog is.
-absl::StatusOr<std::vector<SheetEntry>> FitMatches(const FitTask& task, TemplateSource& templates,
-                                                   const rpc::Origin& origin, const rpc::Call& call,
-                                                   v1::SearchShapesResponse* response);
+// match stays. Together they take most of the time that the call has left, but leave some for the
+// answer: each has an equal share of what there is when it begins, and one that has found nothing
+// by then tells so as its fault, with what would help. Where all fitted designs are of quite
+// another size than the query, whose unit is known, a note asks whether that is right. Returns the
+// designs that were fitted, where they stand in the query's frame, without those that failed.
+// CANCELLED once nobody waits for the answer; UNAVAILABLE where the catalog is.
+absl::StatusOr<std::vector<FitEntry>> FitMatches(const FitTask& task, TemplateSource& templates,
+                                                 const rpc::Origin& origin, const rpc::Call& call,
+                                                 v1::SearchShapesResponse* response);
 
 }  // namespace mortise::retrieval

@@ -154,7 +154,7 @@ absl::StatusOr<v1::SearchShapesResponse> SearchShapes(const Retrieval& retrieval
   response.set_families(index->record.family_count());
   response.set_designs_looked_at(found.looked_at);
   response.set_ended_early(found.ended_early);
-  std::vector<SheetEntry> fitted;
+  std::vector<FitEntry> fitted;
   if (request.fit()) {
     MORTISE_ASSIGN_OR_RETURN(fitted, FitMatches({*query, turned, *index, found.matches},
                                                 retrieval.templates, origin, call, &response));

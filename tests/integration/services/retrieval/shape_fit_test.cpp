@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/errors.h"
@@ -82,6 +84,22 @@ TEST_F(ShapeFitTest, FindsTheParametersOfAMesh) {
   const auto sheet = testing::DecodePng(found->sheet());
   ASSERT_TRUE(sheet.ok()) << sheet.status();
   EXPECT_GT(sheet->height, 400) << "a row for each match";
+}
+
+TEST_F(ShapeFitTest, AsksForTheUnitWhereNothingIsSoSmall) {
+  const auto asks = [](const v1::SearchShapesResponse& found) {
+    return std::any_of(found.notes().begin(), found.notes().end(), [](const std::string& note) {
+      return note.find("is its unit right?") != std::string::npos;
+    });
+  };
+  v1::SearchShapesRequest request = HiddenTable();
+  request.add_templates("templates/table");
+  for (const auto& [unit, wrong] : {std::pair("mm", true), {"m", false}}) {
+    request.mutable_mesh()->set_length_unit(unit);
+    const auto found = house_->Search(request);
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_EQ(asks(*found), wrong) << unit;
+  }
 }
 
 TEST_F(ShapeFitTest, TellsThatTheScaleIsFreeWithoutAUnit) {

@@ -37,7 +37,7 @@ TEST(MatchSheetTest, RefusesNothingToDraw) {
 
 TEST(FitSheetTest, HasARowForEachDesign) {
   const SheetEntry query{Box({0, 0, 0}, {1, 1, 1}), "query"};
-  const SheetEntry design{Box({0, 0, 0}, {1, 1, 2}), "design"};
+  const FitEntry design{{Box({0, 0, 0}, {1, 1, 2}), "design"}, "3 mm off"};
   const auto one = DrawFitSheet(query, {design});
   const auto two = DrawFitSheet(query, {design, design});
   ASSERT_TRUE(one.ok()) << one.status();
@@ -52,7 +52,7 @@ TEST(FitSheetTest, HasARowForEachDesign) {
 TEST(FitSheetTest, RefusesNothingToDraw) {
   const SheetEntry box{Box({0, 0, 0}, {1, 1, 1}), "box"};
   EXPECT_TRUE(absl::IsInvalidArgument(DrawFitSheet(box, {}).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(DrawFitSheet(box, {{{}, "nothing"}}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(DrawFitSheet(box, {{{{}, "nothing"}, ""}}).status()));
 }
 
 }  // namespace
