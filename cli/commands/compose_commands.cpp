@@ -47,7 +47,8 @@ struct AddOptions : ModelOptions {
 
 // Of those that are about a component or node.
 struct NodeOptions : ModelOptions {
-  std::string component, node, at;
+  std::string component, node, at, control, to;
+  bool controls = false;
   bool preview = false;
 };
 
@@ -166,8 +167,29 @@ absl::Status List(const FilterOptions& options, Session& session, Output& output
   return absl::OkStatus();
 }
 
-absl::Status Show(const ModelOptions& options, Session& session, Output& output) {
+absl::Status ShowControls(const GatewayClient& client, const NodeOptions& options, Output& output) {
+  v1::GetNodeControlsRequest request;
+  request.set_name(ResourceName("models", options.model));
+  request.set_component(options.component);
+  request.set_node(options.node);
+  MORTISE_ASSIGN_OR_RETURN(const v1::NodeControls found,
+                           Ask(client, &Stub::GetNodeControls, request));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::NodeControl& control : found.controls()) {
+    rows.push_back({control.name(), Millimetres(control.value()), Millimetres(control.minimum()),
+                    Millimetres(control.maximum())});
+  }
+  output.Table({"control", "now", "from", "to"}, rows);
+  output.DocumentOf(found);
+  return absl::OkStatus();
+}
+
+absl::Status Show(const NodeOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  if (options.controls || !options.node.empty() || !options.component.empty()) {
+    MORTISE_RETURN_IF_ERROR(ShowControls(*client, options, output));
+    return WritePicture(*client, options, output);
+  }
   MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Get(*client, options));
   PrintModel(model, output);
   for (const v1::ModelComponent& each : model.components()) {
@@ -211,6 +233,16 @@ absl::Status Move(const NodeOptions& options, Session& session, Output& output) 
   request.set_component(options.component);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_position(), ParseVector(options.at, "--at"));
   return Change(&Stub::MoveComponent, std::move(request), options, "", session, output);
+}
+
+absl::Status Drag(const NodeOptions& options, Session& session, Output& output) {
+  v1::DragControlRequest request;
+  request.set_component(options.component);
+  request.set_node(options.node);
+  request.set_control(options.control);
+  MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(options.to, "--to"));
+  request.set_value(value);
+  return Change(&Stub::DragControl, std::move(request), options, "", session, output);
 }
 
 absl::Status Remove(const NodeOptions& options, Session& session, Output& output) {
@@ -275,11 +307,16 @@ void AddNewAndList(CLI::App& compose, Session& session) {
 }
 
 void AddShow(CLI::App& compose, Session& session) {
-  auto options = std::make_shared<ModelOptions>();
-  CommandFlags show(*compose.add_subcommand("show", "A model: its components and what is to know"));
+  auto options = std::make_shared<NodeOptions>();
+  CommandFlags show(*compose.add_subcommand("show", "A model, or what of a node can be dragged"));
   AddModel(show, *options);
+  show.command().add_flag("--controls", options->controls,
+                          "What can be dragged of the node, and how far");
+  show.Add("--node", options->node, "Element or group; all of it if absent", "node");
+  show.Add("--component", options->component, "Of this one, which is not connected yet",
+           "component");
   show.Add("--picture", options->picture, "PNG file for a picture of it");
-  show.command().footer("Example: mortise compose show desk --picture desk.png");
+  show.command().footer("Example: mortise compose show desk --controls --node \"shelf 1\"");
   show.Run(session, [options](Session& s, Output& o) { return Show(*options, s, o); });
 }
 
@@ -322,15 +359,22 @@ void AddComponentCommand(CLI::App& compose, Session& session, const std::string&
   flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });
 }
 
-void AddRemove(CLI::App& compose, Session& session) {
+// The commands of a node of what is connected, or of a component that is not.
+void AddNodeCommand(CLI::App& compose, Session& session, const std::string& name,
+                    const std::string& help, const std::string& example, NodeCommand run) {
   auto options = std::make_shared<NodeOptions>();
-  CommandFlags remove(*compose.add_subcommand("remove", "Take a node or component out of a model"));
-  AddChange(remove, *options);
-  remove.Add("--node", options->node, "Element, group or part of what is connected", "node");
-  remove.Add("--component", options->component, "Or this one, which is not connected yet",
-             "component");
-  remove.command().footer("Example: mortise compose remove desk --node \"shelf 1\"");
-  remove.Run(session, [options](Session& s, Output& o) { return Remove(*options, s, o); });
+  CommandFlags flags(*compose.add_subcommand(name, help));
+  AddChange(flags, *options);
+  flags.Add("--node", options->node, "Element, group or part", "node");
+  flags.Add("--component", options->component, "Of this one, which is not connected yet",
+            "component");
+  if (name == "drag") {
+    flags.Add("--control", options->control, "width, depth, height, x, y or z", "control")
+        ->required();
+    flags.Add("--to", options->to, "What it shall be, such as 1.2 or 1200mm", "value")->required();
+  }
+  flags.command().footer("Example: mortise compose " + example);
+  flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });
 }
 
 template <typename Request>
@@ -393,7 +437,10 @@ void AddComposeCommands(CLI::App& app, Session& session) {
                       "connect desk shelf", Connect);
   AddComponentCommand(compose, session, "move", "Move a component that is not connected",
                       "move desk shelf --at \"0.4, 0.2, 0.5\"", Move);
-  AddRemove(compose, session);
+  AddNodeCommand(compose, session, "drag", "Drag a control of a node; all else follows",
+                 "drag desk --node \"shelf 1\" --control width --to 1.2", Drag);
+  AddNodeCommand(compose, session, "remove", "Take a node or component out of a model",
+                 "remove desk --node \"shelf 1\"", Remove);
   AddHistoryCommand(compose, session, "undo", "Go back to the state before the last change",
                     &Stub::UndoModel);
   AddHistoryCommand(compose, session, "redo", "Take back what was undone last", &Stub::RedoModel);

@@ -52,6 +52,7 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.Joint.upper",
       "mortise.v1.MeasureDemand.value",
       "mortise.v1.AdjustAssemblyRequest.q",
+      "mortise.v1.DragControlRequest.value",
       "mortise.v1.EvaluateAssemblyRequest.Point.q",
       "mortise.v1.ExportAssemblyRequest.q",
       "mortise.v1.MaterialValues.thermal_expansion",

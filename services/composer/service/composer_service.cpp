@@ -40,6 +40,9 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
                             rpc::With(composer_, methods::KeepChange<v1::ConnectComponentRequest>))
   MORTISE_PREPARED_MUTATION(MoveComponent, rpc::With(composer_, methods::MoveComponent),
                             rpc::With(composer_, methods::KeepChange<v1::MoveComponentRequest>))
+  MORTISE_QUERY(GetNodeControls, rpc::With(composer_, methods::GetNodeControls))
+  MORTISE_PREPARED_MUTATION(DragControl, rpc::With(composer_, methods::DragControl),
+                            rpc::With(composer_, methods::KeepChange<v1::DragControlRequest>))
   MORTISE_PREPARED_MUTATION(RemoveNode, rpc::With(composer_, methods::RemoveNode),
                             rpc::With(composer_, methods::KeepChange<v1::RemoveNodeRequest>))
   MORTISE_MUTATION(UndoModel, rpc::With(composer_, methods::UndoModel))

@@ -45,6 +45,7 @@ TEST_F(ComposerHistoryTest, EveryStateSurvivesTheEndOfTheProcess) {
   keep(house_->Add(model, "dining-table", "top", "top"));
   keep(house_->Snap(model, "top"));
   keep(house_->Connect(model, "top"));
+  keep(house_->Drag(model, "", "width", 1.8));
   keep(house_->Add(model, "bookshelf", "shelf 3", "shelf"));
   for (std::size_t step = states.size() - 1; step > 0; --step) {
     model = Good(house_->Undo(model));
@@ -68,7 +69,7 @@ TEST_F(ComposerHistoryTest, TheSameStepsGiveTheSameModel) {
     model = Good(house_->Connect(model, "top"));
     // In a process that knows nothing of what was before.
     house_->KillAndStart();
-    model = Good(house_->Add(model, "bookshelf", "shelf 3", "shelf"));
+    model = Good(house_->Drag(model, "", "width", 1.7));
     std::string boxes;
     for (const v1::ModelPart& part : model.parts()) boxes += part.SerializeAsString();
     digests.push_back(boxes);

@@ -108,6 +108,15 @@ class ComposerHouse {
     return Change(&v1::ComposerService::Stub::ConnectComponent, seen, request);
   }
 
+  absl::StatusOr<v1::Model> Drag(const v1::Model& seen, const std::string& node,
+                                 const std::string& control, double value) {
+    v1::DragControlRequest request;
+    request.set_node(node);
+    request.set_control(control);
+    request.set_value(value);
+    return Change(&v1::ComposerService::Stub::DragControl, seen, request);
+  }
+
   absl::StatusOr<v1::Model> Undo(const v1::Model& seen) {
     return Change<v1::UndoModelRequest>(&v1::ComposerService::Stub::UndoModel, seen);
   }

@@ -129,7 +129,9 @@ TEST_F(ComposerRefusalsTest, WhatIsFarFromAllElse) {
   ExpectReason(house_->Connect(model_, "top").status(), "NOTHING_NEAR");
 }
 
-TEST_F(ComposerRefusalsTest, NodesThatThereAreNot) {
+TEST_F(ComposerRefusalsTest, ControlsAndNodesThatThereAreNot) {
+  ExpectField(house_->Drag(model_, "", "length", 1).status(), "control");
+  ExpectField(house_->Drag(model_, "lid", "width", 1).status(), "node");
   v1::RemoveNodeRequest remove;
   ExpectField(house_->Change(&Stub::RemoveNode, model_, remove).status(), "node");
   remove.set_node("lid");

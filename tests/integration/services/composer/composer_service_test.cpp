@@ -115,6 +115,34 @@ TEST_F(ComposerServiceTest, ConnectingBringsWhatHeldTheTop) {
   EXPECT_EQ(ItemsOf(model), ItemsOf(whole));
 }
 
+TEST_F(ComposerServiceTest, WhatIsComposedIsOneDesign) {
+  const v1::Model model = Composed("dragged");
+  const auto wider = house_->Drag(model, "long apron 1", "width", 1.5);
+  ASSERT_TRUE(wider.ok()) << wider.status();
+  const v1::ModelComponent frame = ComponentOf(*wider, "frame");
+  // Two legs of 70 mm at the ends of the apron.
+  EXPECT_NEAR(frame.maximum().x() - frame.minimum().x(), 1.64, 1e-6);
+  // The top is large enough for it, and lies on it.
+  const v1::ModelComponent top = ComponentOf(*wider, "top");
+  EXPECT_LE(top.minimum().x(), frame.minimum().x() + 1e-6);
+  EXPECT_GE(top.maximum().x(), frame.maximum().x() - 1e-6);
+  EXPECT_NEAR(top.minimum().z(), frame.maximum().z(), 1e-6);
+  v1::GetNodeControlsRequest request;
+  request.set_name(wider->name());
+  request.set_node("long apron 1");
+  const auto controls = Call(house_->composer(), &Stub::GetNodeControls, request);
+  ASSERT_TRUE(controls.ok()) << controls.status();
+  EXPECT_EQ(controls->revision(), wider->revision());
+  bool found = false;
+  for (const v1::NodeControl& control : controls->controls()) {
+    EXPECT_LT(control.minimum(), control.maximum()) << control.name();
+    if (control.name() != "width") continue;
+    found = true;
+    EXPECT_NEAR(control.value(), 1.5, 1e-6);
+  }
+  EXPECT_TRUE(found);
+}
+
 TEST_F(ComposerServiceTest, WhatIsRemovedTakesItsConnectionsAlong) {
   const v1::Model model = Composed("removed");
   v1::RemoveNodeRequest request;
@@ -147,6 +175,11 @@ TEST_F(ComposerServiceTest, WhatIsSavedIsATemplateLikeAnyOther) {
   const auto again = house_->Save(*house_->Get(model.name()), "composed-table");
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(again->template_revision(), 1);
+  const auto wider = house_->Drag(model, "long apron 1", "width", 1.5);
+  ASSERT_TRUE(wider.ok()) << wider.status();
+  const auto next_revision = house_->Save(*wider, "composed-table");
+  ASSERT_TRUE(next_revision.ok()) << next_revision.status();
+  EXPECT_EQ(next_revision->template_revision(), 2);
 }
 
 TEST_F(ComposerServiceTest, WhatIsSavedCanBeMade) {
