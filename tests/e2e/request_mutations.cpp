@@ -123,13 +123,14 @@ bool IsLabel(const FieldDescriptor* field) {
 }
 
 // Whether a method reads `field` of the message that `holder` holds: those that change external ids
-// and labels read nothing else of the resource.
+// and labels read nothing else of the resource, but for the title of a model.
 bool IsLookedAt(const FieldDescriptor* holder, const FieldDescriptor* field) {
-  static const std::set<std::string> resources = {"mortise.v1.UpdatePlanRequest.plan",
-                                                  "mortise.v1.UpdateWorkOrderRequest.work_order",
-                                                  "mortise.v1.UpdateWebhookRequest.webhook"};
+  static const std::set<std::string> resources = {
+      "mortise.v1.UpdatePlanRequest.plan", "mortise.v1.UpdateWorkOrderRequest.work_order",
+      "mortise.v1.UpdateWebhookRequest.webhook", "mortise.v1.UpdateModelRequest.model"};
   static const std::set<std::string> names = {"name", "external_ids", "labels"};
-  return resources.count(holder->full_name()) == 0 || names.count(field->name()) != 0;
+  return resources.count(holder->full_name()) == 0 || names.count(field->name()) != 0 ||
+         field->full_name() == "mortise.v1.Model.title";
 }
 
 bool IsExpression(const FieldDescriptor* field) {

@@ -81,6 +81,10 @@ class Acceptor final : public ConnectionAcceptor {
     std::call_once(stopped_, [this] {
       io_.stop();
       if (thread_.joinable()) thread_.join();
+      // What waits for them keeps them open until the end; their clients need not wait for that.
+      for (const std::shared_ptr<Silent>& silent : silent_) {
+        shutdown(silent->stream.native_handle(), SHUT_RDWR);
+      }
       silent_.clear();
       listeners_.clear();
     });

@@ -86,8 +86,9 @@ TEST(CoverWorkersTest, WorkersAndServiceThatAreKilledChangeNothing) {
   Worker first(house, "first");
   ASSERT_TRUE(AwaitLeaseOf("first", house));
   first.Kill();
-  Worker second(house, "second"), third(house, "third");
+  Worker second(house, "second");
   ASSERT_TRUE(AwaitLeaseOf("second", house));
+  Worker third(house, "third");
   house.KillAndStart();
   third.Kill();
   const auto done = house.Await(started->name());

@@ -85,10 +85,10 @@ class ConnectionAcceptorTest : public ::testing::Test {
     taken_.front() = Descriptor();
   }
 
-  std::unique_ptr<ConnectionAcceptor> acceptor_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Descriptor> taken_;  // guarded by mutex_
+  std::vector<Descriptor> taken_;                 // guarded by mutex_
+  std::unique_ptr<ConnectionAcceptor> acceptor_;  // ends first: its thread uses the others
 };
 
 TEST_F(ConnectionAcceptorTest, TakesWhoeverSpeaks) {
@@ -204,6 +204,7 @@ TEST_F(ConnectionAcceptorTest, GoesOnAfterTheSystemHadNoDescriptors) {
 TEST_F(ConnectionAcceptorTest, EndsWhileOthersWait) {
   Start({});
   Client silent(acceptor_->address());
+  EXPECT_OK(acceptor_->Probe()) << "comes after the other, which is accepted by then";
   acceptor_->Stop();
   EXPECT_TRUE(silent.IsClosed());
   EXPECT_FALSE(Client(acceptor_->address()).connected());

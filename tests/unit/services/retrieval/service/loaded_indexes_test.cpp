@@ -30,11 +30,13 @@ class LoadedIndexesTest : public ::testing::Test {
     primitive.radii.resize(0);
     ASSERT_OK_AND_ASSIGN(const PrimitiveIndex index, PrimitiveIndex::Build({{0, {primitive}}}));
     const std::string id = IndexIdOf(descriptor);
-    ASSERT_OK_AND_ASSIGN(const std::string bytes, IndexBytes(index, id, ""));
+    ASSERT_OK_AND_ASSIGN(const auto kind, MakeDescriptor(id));
+    ASSERT_OK_AND_ASSIGN(const std::string bytes, IndexBytes(index, FormatOf(*kind), ""));
     v1::ShapeIndex record;
     record.set_name(absl::StrCat("indexes/", id));
     record.set_shape_descriptor(descriptor);
     record.set_format_version(kIndexFormat);
+    record.set_descriptor_version(kind->properties().version);
     record.add_families()->set_template_("templates/table");
     ASSERT_OK_AND_ASSIGN(*record.mutable_sha256(), blobs_->Put(bytes));
     ASSERT_OK(store_->Transact(
@@ -54,15 +56,15 @@ TEST_F(LoadedIndexesTest, OneThatIsBeingReadKeepsNobodyFromTheOthers) {
   Store(v1::VOXEL, 2);
   absl::Notification begun, go_on;
   LoadedIndexes indexes(store_.get(), blobs_,
-                        [&](const std::filesystem::path& path, const std::string& id) {
-                          if (id == "d2") {
+                        [&](const std::filesystem::path& path, const std::string& format) {
+                          if (format.starts_with("d2")) {
                             begun.Notify();
                             go_on.WaitForNotification();
                           }
-                          return ReadIndex(path, id);
+                          return ReadIndex(path, format);
                         });
   auto slow = std::async(std::launch::async, [&] { return indexes.Get(v1::D2); });
-  begun.WaitForNotification();
+  ASSERT_TRUE(begun.WaitForNotificationWithTimeout(absl::Minutes(2)));
   auto other = std::async(std::launch::async, [&] { return indexes.Get(v1::VOXEL); });
   const bool is_there = other.wait_for(std::chrono::seconds(60)) == std::future_status::ready;
   EXPECT_TRUE(is_there) << "it waits for the other one";
