@@ -45,7 +45,7 @@ struct AddOptions : ModelOptions {
   std::vector<std::string> demands;
 };
 
-// Of those that are about a component or node.
+// What commands take that are about a component or a node.
 struct NodeOptions : ModelOptions {
   std::string component, node, at, control, to;
   bool controls = false;

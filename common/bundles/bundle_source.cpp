@@ -30,6 +30,11 @@ absl::StatusOr<v1::TemplateBundle> FetchBundle(const std::shared_ptr<grpc::Chann
       *stub, &v1::CatalogService::Stub::GetTemplateBundle, request, origin);
 }
 
+bool IsPassingFailure(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
+         absl::IsCancelled(status) || absl::IsResourceExhausted(status) || absl::IsAborted(status);
+}
+
 std::string ContentDigest(const v1::TemplateBundle& bundle) {
   std::string digests = bundle.template_().digest();
   for (const v1::Item& item : bundle.items()) digests += DigestOf(item);

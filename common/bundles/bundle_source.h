@@ -21,6 +21,10 @@ absl::StatusOr<v1::TemplateBundle> FetchBundle(const std::shared_ptr<grpc::Chann
                                                const std::string& name, std::int64_t revision,
                                                const rpc::Origin& origin);
 
+// Whether a failure to get a template says nothing about it, but that the catalog could not answer
+// now: it is gone, has too much to do or too little time.
+bool IsPassingFailure(const absl::Status& status);
+
 // SHA-256 of all that results depend on: the template's own digest does not see its items and
 // materials change. By which external ids and labels they are found, and who created them, does not
 // count.

@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/bundles/bundle_source.h"
+#include "common/bundles/template_list.h"
 #include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -64,11 +65,6 @@ std::vector<std::string> GroupsOf(const CompiledTemplate& whole) {
   return parametric::DistinctSubTrees((*design)->assembly->assembly());
 }
 
-bool IsPassingFailure(const absl::Status& status) {
-  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
-         absl::IsCancelled(status) || absl::IsResourceExhausted(status) || absl::IsAborted(status);
-}
-
 TemplateSource::TemplateSource(std::shared_ptr<grpc::Channel> catalog, std::size_t capacity)
     : catalog_(catalog), shapes_(std::move(catalog), kSurfaceBytes), kept_(capacity) {}
 
@@ -89,19 +85,9 @@ absl::StatusOr<std::vector<std::string>> TemplateSource::ItemNames(
 absl::StatusOr<std::vector<v1::Template>> TemplateSource::List(
     const v1::ResourceFilter& filter, const rpc::Origin& origin,
     const rpc::RetryOptions& retry) const {
-  const auto stub = v1::CatalogService::NewStub(catalog_);
   v1::ListTemplatesRequest request;
-  request.set_page_size(kPageSize);
   *request.mutable_filter() = filter;
-  std::vector<v1::Template> templates;
-  do {
-    MORTISE_ASSIGN_OR_RETURN(
-        v1::ListTemplatesResponse page,
-        rpc::CallUnary(*stub, &v1::CatalogService::Stub::ListTemplates, request, origin, retry));
-    for (v1::Template& each : *page.mutable_templates()) templates.push_back(std::move(each));
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  return templates;
+  return bundles::ListTemplates(catalog_, std::move(request), origin, retry);
 }
 
 absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
+#include "common/bundles/bundle_source.h"
 #include "common/bundles/shape_source.h"
 #include "common/rpc/channel.h"
 #include "common/templates/template.h"
@@ -32,9 +33,7 @@ struct CompiledTemplate {
 // seconds for assemblies of hundreds of parts.
 std::vector<std::string> GroupsOf(const CompiledTemplate& whole);
 
-// Whether a failure to get a template says nothing about it, but that the catalog could not answer
-// now: it is gone, has too much to do or too little time.
-bool IsPassingFailure(const absl::Status& status);
+using bundles::IsPassingFailure;
 
 // Thread safe.
 class TemplateSource {

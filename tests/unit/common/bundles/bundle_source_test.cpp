@@ -47,5 +47,18 @@ TEST(ContentDigestTest, DoesNotSeeTagsAndCreators) {
   EXPECT_EQ(ContentDigest(tagged), digest);
 }
 
+TEST(PassingFailureTest, IsOneThatTheCatalogMayNotHaveLater) {
+  for (const absl::Status& passing :
+       {absl::UnavailableError("gone"), absl::ResourceExhaustedError("too much to do"),
+        absl::DeadlineExceededError("too slow"), absl::AbortedError("meanwhile")}) {
+    EXPECT_TRUE(IsPassingFailure(passing)) << passing;
+  }
+  for (const absl::Status& lasting :
+       {absl::OkStatus(), absl::NotFoundError("x"), absl::InvalidArgumentError("x"),
+        absl::FailedPreconditionError("x")}) {
+    EXPECT_FALSE(IsPassingFailure(lasting)) << lasting;
+  }
+}
+
 }  // namespace
 }  // namespace mortise::bundles
