@@ -132,7 +132,7 @@ class House final : public Gateway {
     return absl::OkStatus();
   }
 
-  rpc::Origin Own() const {
+  rpc::Origin OwnOrigin() const {
     return rpc::OwnOrigin(signer_.get(), rpc::Role::kViewer, "", kEventCallTime);
   }
 
@@ -161,7 +161,7 @@ class House final : public Gateway {
     rpc::RetryOptions once;
     once.patience = absl::ZeroDuration();
     return rpc::CallUnary<v1::EventService::Stub, v1::ReadEventsRequest, v1::ReadEventsResponse>(
-        stub, &v1::EventService::Stub::ReadEvents, request, Own(), once);
+        stub, &v1::EventService::Stub::ReadEvents, request, OwnOrigin(), once);
   }
 
   absl::StatusOr<std::vector<bus::Event>> FetchEvents(const std::string& stream, int64_t after,
@@ -225,7 +225,7 @@ class House final : public Gateway {
   // Both doors together leave the process what it needs itself.
   int ConnectionsOfDoor() const {
     if (options_.most_connections > 0) return options_.most_connections;
-    return std::min(rpc::kMostConnections, ConnectionsWithin(DescriptorLimit()) / 2);
+    return std::min(rpc::kMaxConnections, ConnectionsWithin(DescriptorLimit()) / 2);
   }
 
   OpenCallLimits CallLimits() const {

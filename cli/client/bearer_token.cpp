@@ -10,14 +10,14 @@
 namespace mortise::cli {
 namespace {
 
-constexpr std::size_t kMostBytes = 64 << 10;
+constexpr std::size_t kMaxBytes = 64 << 10;
 
 absl::StatusOr<std::string> TokenIn(const std::string& file) {
   if (file.empty()) {
     const char* const value = std::getenv("MORTISE_TOKEN");
     return std::string(value == nullptr ? "" : value);
   }
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMostBytes));
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxBytes));
   return std::string(absl::StripAsciiWhitespace(text));
 }
 

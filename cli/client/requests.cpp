@@ -23,7 +23,7 @@
 namespace mortise::cli {
 namespace {
 
-constexpr double kLeastInMegapascal = 1e4;  // Pa
+constexpr double kMinInMegapascal = 1e4;  // Pa
 
 struct Unit {
   absl::string_view name;
@@ -194,7 +194,7 @@ v1::Metric MetricOf(const std::string& unit, double value) {
 
 std::string MetricText(const v1::Metric& metric) {
   if (metric.unit() == "m") return absl::StrFormat("%.4g mm", metric.value() / kMillimetre);
-  const bool is_stress = metric.unit() == "Pa" && std::abs(metric.value()) >= kLeastInMegapascal;
+  const bool is_stress = metric.unit() == "Pa" && std::abs(metric.value()) >= kMinInMegapascal;
   if (is_stress) return absl::StrFormat("%.4g MPa", metric.value() / kMegapascal);
   return absl::StrFormat("%.5g %s", metric.value(), metric.unit());
 }

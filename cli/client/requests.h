@@ -75,7 +75,7 @@ absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
                                      const std::filesystem::path& path);
 
 // Most bytes of a file that fit into a message; larger ones are uploaded first.
-inline constexpr std::size_t kMostInMessage = 4'000'000;
+inline constexpr std::size_t kMaxInMessage = 4'000'000;
 
 // OK if the design has no faults; else FAILED_PRECONDITION, DESIGN_FAULTY, with how many there are
 // and the first.

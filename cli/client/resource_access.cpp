@@ -21,7 +21,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::MethodDescriptor;
 
-constexpr int kLargestPage = 1000;
+constexpr int kMaxPage = 1000;
 
 Resource NewMessage(const Descriptor& type) {
   return Resource(
@@ -150,7 +150,7 @@ absl::StatusOr<ResourceList> ListResources(const GatewayClient& client, const Re
   std::string token;
   do {
     const int left = query.limit - static_cast<int>(list.resources.size());
-    request->GetReflection()->SetInt32(request.get(), size, std::min(kLargestPage, left));
+    request->GetReflection()->SetInt32(request.get(), size, std::min(kMaxPage, left));
     SetText("page_token", token, *request);
     MORTISE_ASSIGN_OR_RETURN(const Resource page, Call(client, ListMethod(kind), *request));
     const FieldDescriptor& entries = EntriesField(kind);

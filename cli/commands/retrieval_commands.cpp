@@ -22,7 +22,7 @@
 namespace mortise::cli {
 namespace {
 
-constexpr std::size_t kMostInFile = std::size_t{64} << 20;  // bytes, as the service takes them
+constexpr std::size_t kMaxInFile = std::size_t{64} << 20;  // bytes, as the service takes them
 constexpr double kUploadSeconds = 600;
 constexpr double kSeconds = 60;  // that a search may take
 constexpr double kSecondsWithFits = 300;
@@ -75,7 +75,7 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(SearchOptions& options) {
   MORTISE_RETURN_IF_ERROR(options.filter.Fill(&request));
   if (options.design.empty()) {
     v1::QueryMesh& mesh = *request.mutable_mesh();
-    MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh, kMostInFile));
+    MORTISE_ASSIGN_OR_RETURN(*mesh.mutable_file(), ReadFile(options.mesh, kMaxInFile));
     if (mesh.file().empty()) return InvalidField(options.mesh, "is empty");
     mesh.set_file_name(std::filesystem::path(options.mesh).filename().string());
     mesh.set_length_unit(options.unit);
@@ -137,7 +137,7 @@ absl::Status Search(SearchOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(v1::SearchShapesRequest request, RequestOf(options));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::RetrievalService::NewStub(client->channel());
-  if (request.mesh().file().size() > kMostInMessage) {
+  if (request.mesh().file().size() > kMaxInMessage) {
     MORTISE_RETURN_IF_ERROR(Upload(*request.mutable_mesh(), *stub, *client));
   }
   v1::SearchShapesResponse found;

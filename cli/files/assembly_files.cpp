@@ -176,7 +176,7 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
   sources.AddFile("step", file.string());
   MORTISE_ASSIGN_OR_RETURN(std::string packed, PackedFile(file));
   MORTISE_RETURN_IF_ERROR(Describe(file, options, stub, client, request, sources));
-  if (request.ByteSizeLong() + packed.size() <= kMostInMessage) {
+  if (request.ByteSizeLong() + packed.size() <= kMaxInMessage) {
     request.set_step(std::move(packed));
   } else {
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
@@ -205,7 +205,7 @@ absl::Status ImportMesh(const std::filesystem::path& file, const ImportOptions& 
   request.set_most_parts(options.most_parts);
   MORTISE_ASSIGN_OR_RETURN(std::string packed, PackedFile(file));
   MORTISE_RETURN_IF_ERROR(Describe(file, options, stub, client, request, sources));
-  if (request.ByteSizeLong() + packed.size() <= kMostInMessage) {
+  if (request.ByteSizeLong() + packed.size() <= kMaxInMessage) {
     request.set_file(std::move(packed));
   } else {
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));

@@ -133,9 +133,9 @@ absl::StatusOr<v1::ImportCatalogRequest> RequestOf(const Designs& designs) {
   for (const auto& read : designs.materials) *request.add_materials() = read.message();
   for (const auto& read : designs.items) *request.add_items() = read.message();
   for (const auto& read : designs.templates) *request.add_templates() = read.message();
-  if (request.ByteSizeLong() > kMostInMessage) {
+  if (request.ByteSizeLong() > kMaxInMessage) {
     return TooLarge("what the files have together",
-                    absl::StrCat(kMostInMessage, " bytes: import them one after the other"));
+                    absl::StrCat(kMaxInMessage, " bytes: import them one after the other"));
   }
   return request;
 }

@@ -22,10 +22,10 @@ namespace {
 
 using simulator::BuiltInMetric;
 
-constexpr std::size_t kLargestCase = std::size_t{3} << 20;  // bytes
+constexpr std::size_t kMaxCase = std::size_t{3} << 20;  // bytes
 
 absl::StatusOr<v1::MeshCase> ReadCase(const std::filesystem::path& file) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kLargestCase));
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxCase));
   v1::MeshCase mesh_case;
   MORTISE_RETURN_IF_ERROR(ReadJson(text, file.string(), mesh_case));
   return mesh_case;

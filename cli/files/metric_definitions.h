@@ -1,4 +1,4 @@
-// Metrics of one's own, as flags give them.
+// Custom metrics, as flags give them.
 #pragma once
 
 #include <string>

@@ -75,7 +75,7 @@ absl::StatusOr<v1::Shape> ImportShapeFile(const std::filesystem::path& file,
   request.set_request_id(NewIdentifier());
   request.set_format(IsStepFile(file) ? v1::ImportShapeRequest::STEP : v1::ImportShapeRequest::STL);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_file(), PackedFile(file));
-  if (request.file().size() > kMostInMessage) {
+  if (request.file().size() > kMaxInMessage) {
     return TooLarge(file.string(), "4 MB packed by gzip");
   }
   FieldSources sources;

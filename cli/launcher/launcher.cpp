@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 
 constexpr int kDeathsBeforeGivingUp = 5;
 constexpr milliseconds kFirstBackOff{100};
-constexpr milliseconds kLongestBackOff{5000};
+constexpr milliseconds kMaxBackOff{5000};
 constexpr std::chrono::seconds kLongEnoughToForgive{10};
 
 std::string LastLines(const std::filesystem::path& path) {
@@ -86,7 +86,7 @@ absl::Status Launcher::NoticeDeath(std::size_t index, const std::string& how) {
         name);
   }
   child.start_again = Clock::now() + child.back_off;
-  child.back_off = std::clamp<Clock::duration>(child.back_off * 2, kFirstBackOff, kLongestBackOff);
+  child.back_off = std::clamp<Clock::duration>(child.back_off * 2, kFirstBackOff, kMaxBackOff);
   return absl::OkStatus();
 }
 

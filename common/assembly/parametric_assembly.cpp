@@ -19,7 +19,7 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kMostLooseNamed = 10;
+constexpr std::size_t kMaxLooseNamed = 10;
 constexpr double kFixed = 1e-9;  // m; a range no wider is none
 // m. What is reached stays this far inside of what can be while other demands are looked at:
 // rounding must not turn the one into a conflict with the next.
@@ -243,9 +243,9 @@ absl::Status ParametricAssembly::CheckBounded() const {
     }
   }
   std::string more;
-  if (loose.size() > kMostLooseNamed) {
-    more = absl::StrCat(" and ", loose.size() - kMostLooseNamed, " more");
-    loose.resize(kMostLooseNamed);
+  if (loose.size() > kMaxLooseNamed) {
+    more = absl::StrCat(" and ", loose.size() - kMaxLooseNamed, " more");
+    loose.resize(kMaxLooseNamed);
   }
   const bool is_one = loose.size() == 1;
   return PreconditionFailed(
@@ -307,9 +307,9 @@ absl::StatusOr<std::vector<Demand>> ParametricAssembly::FormsOf(
   std::vector<Demand> forms;
   for (std::size_t i = 0; i < demands.size(); ++i) {
     const std::string field = absl::StrCat("demands[", i, "]");
-    if (!(std::abs(demands[i].value) <= kFurthestFromOrigin)) {
+    if (!(std::abs(demands[i].value) <= kMaxFromOrigin)) {
       return InvalidField(absl::StrCat(field, ".value"),
-                          absl::StrCat("must be within ", kFurthestFromOrigin, " m"));
+                          absl::StrCat("must be within ", kMaxFromOrigin, " m"));
     }
     MORTISE_ASSIGN_OR_RETURN(const LinearForm form,
                              FormOf(demands[i].measure, absl::StrCat(field, ".measure")));

@@ -8,8 +8,8 @@
 namespace mortise {
 namespace {
 
-constexpr int kMostDigits = 17;     // with which every number reads back as itself
-constexpr int kMostDecimals = 6;    // a nanometre
+constexpr int kMaxDigits = 17;      // with which every number reads back as itself
+constexpr int kMaxDecimals = 6;     // a nanometre
 constexpr double kSame = 0.999e-9;  // m; no further apart, lengths may read the same
 
 std::string Text(double metres, int decimals) {
@@ -35,7 +35,7 @@ bool HidesDifference(const std::vector<double>& numbers, const std::vector<std::
 
 std::vector<std::string> ComparedMillimetres(const std::vector<double>& metres) {
   std::vector<std::string> texts(metres.size());
-  for (int decimals = 1; decimals <= kMostDecimals; ++decimals) {
+  for (int decimals = 1; decimals <= kMaxDecimals; ++decimals) {
     for (std::size_t i = 0; i < metres.size(); ++i) texts[i] = Text(metres[i], decimals);
     if (!HidesDifference(metres, texts, kSame)) break;
   }
@@ -44,7 +44,7 @@ std::vector<std::string> ComparedMillimetres(const std::vector<double>& metres) 
 
 std::vector<std::string> ComparedNumbers(const std::vector<double>& numbers) {
   std::vector<std::string> texts(numbers.size());
-  for (int digits = 6; digits <= kMostDigits; ++digits) {
+  for (int digits = 6; digits <= kMaxDigits; ++digits) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       texts[i] = absl::StrFormat("%.*g", digits, numbers[i]);
     }

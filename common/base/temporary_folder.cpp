@@ -15,7 +15,7 @@ namespace mortise {
 namespace {
 
 // For what was made and is not locked yet.
-constexpr std::chrono::minutes kLeastAge(1);
+constexpr std::chrono::minutes kMinAge(1);
 
 std::string PrefixOf(std::string_view purpose) {
   return absl::StrCat("mortise-", absl::string_view(purpose.data(), purpose.size()), "-");
@@ -39,7 +39,7 @@ void RemoveAbandoned(std::string_view purpose) {
     if (!entry->path().filename().string().starts_with(prefix)) continue;
     std::error_code ignored;
     const auto written = std::filesystem::last_write_time(entry->path(), ignored);
-    if (ignored || std::filesystem::file_time_type::clock::now() - written < kLeastAge) continue;
+    if (ignored || std::filesystem::file_time_type::clock::now() - written < kMinAge) continue;
     const int held = Hold(entry->path());
     if (held < 0) continue;
     std::filesystem::remove_all(entry->path(), ignored);

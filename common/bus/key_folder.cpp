@@ -11,7 +11,7 @@
 namespace mortise::bus {
 namespace {
 
-constexpr std::size_t kLongestKeyFile = 1024;
+constexpr std::size_t kMaxKeyFile = 1024;
 
 std::filesystem::path SecretFile(const std::filesystem::path& folder, std::string_view name) {
   return folder / (std::string(name) + ".curve-secret");
@@ -22,7 +22,7 @@ std::filesystem::path PublicFile(const std::filesystem::path& folder, std::strin
 }
 
 absl::StatusOr<std::string> ReadKey(const std::filesystem::path& path) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kLongestKeyFile));
+  MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxKeyFile));
   return std::string(absl::StripAsciiWhitespace(text));
 }
 

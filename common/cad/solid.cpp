@@ -21,7 +21,7 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kShortestEdge = 1e-6;  // m; ten times the kernel's tolerance
+constexpr double kMinEdge = 1e-6;  // m; ten times the kernel's tolerance
 
 gp_Vec ToVector(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -32,7 +32,7 @@ absl::Status CheckPart(const mesh::PartShape& part) {
   if (!part.outline.allFinite() || !part.origin.allFinite()) {
     return InvalidField("outline", "is not finite");
   }
-  if (!(part.height > kShortestEdge)) return InvalidField("height", "is not greater than 0");
+  if (!(part.height > kMinEdge)) return InvalidField("height", "is not greater than 0");
   if (!(std::abs(part.u.norm() - 1) < 1e-9 && std::abs(part.v.norm() - 1) < 1e-9 &&
         std::abs(part.u.dot(part.v)) < 1e-9)) {
     return InvalidField("u", "u and v are not unit vectors at a right angle");
@@ -42,7 +42,7 @@ absl::Status CheckPart(const mesh::PartShape& part) {
                         absl::StrCat("has ", part.face_names.size(), " names, not ", corners + 2));
   }
   for (Eigen::Index i = 0; i < corners; ++i) {
-    if ((part.outline.col((i + 1) % corners) - part.outline.col(i)).norm() < kShortestEdge) {
+    if ((part.outline.col((i + 1) % corners) - part.outline.col(i)).norm() < kMinEdge) {
       return InvalidField("outline", absl::StrCat("edge ", i, " has no length"));
     }
   }

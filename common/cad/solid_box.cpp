@@ -35,10 +35,10 @@ constexpr double kInFace = 1e-9;       // of parameters
 constexpr double kMeasurable = 1e-11;  // m, that a face may reach farther than its edges
 constexpr int kLooks = 24;             // along each smooth piece of an edge
 constexpr int kSurfaceLooks = 8;       // along either parameter of each smooth piece of a surface
-constexpr int kMostSurfaceLooks = 400;
+constexpr int kMaxSurfaceLooks = 400;
 constexpr int kRefinements = 60;  // of a place on a curve
 constexpr int kNewtonSteps = 20;
-constexpr int kMostSteps = 400;
+constexpr int kMaxSteps = 400;
 constexpr double kStill = 1e-9;  // step, of the range that is climbed
 
 // The places up to `reach` from one of `count` in a row. What is between them is at most as much
@@ -252,7 +252,7 @@ class Measurement {
     }
     ends.push_back(to);
     const auto pieces = static_cast<int>(ends.size()) - 1;
-    const int looks = std::clamp(kMostSurfaceLooks / pieces, 2, kSurfaceLooks);
+    const int looks = std::clamp(kMaxSurfaceLooks / pieces, 2, kSurfaceLooks);
     std::vector<double> places{from};
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
       for (int k = 1; k <= looks; ++k) {
@@ -351,7 +351,7 @@ class Measurement {
                                   const Eigen::Vector2d& most) {
     Eigen::Vector2d step = (most - least) / 4;
     double highest = height(at);
-    for (int i = 0; i < kMostSteps && step.norm() > kStill * (most - least).norm(); ++i) {
+    for (int i = 0; i < kMaxSteps && step.norm() > kStill * (most - least).norm(); ++i) {
       bool has_moved = false;
       for (const Eigen::Vector2d& way : {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0),
                                          Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {

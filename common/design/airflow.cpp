@@ -15,10 +15,10 @@ constexpr double kMolarGasConstant = 8314.462618;  // J/(kmol K)
 constexpr double kGasConstant = kMolarGasConstant / kMolarMassOfAir;
 
 constexpr double kSlowest = 1, kFastest = 240;     // m/s
-constexpr double kHighestMach = 0.7;               // the solver is subsonic
+constexpr double kMaxMach = 0.7;                   // the solver is subsonic
 constexpr double kColdest = 150, kHottest = 1000;  // K, of Sutherland's law
 constexpr double kThinnest = 1e3, kDensest = 1e6;  // Pa
-constexpr int kFewestCells = 2000, kMostCells = 5'000'000;
+constexpr int kMinCells = 2000, kMaxCells = 5'000'000;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ absl::Status CheckAirflow(const Airflow& airflow) {
   std::vector<FieldViolation> faults;
   const bool has_temperature = air.temperature >= kColdest && air.temperature <= kHottest;
   const double sound = has_temperature ? air.SpeedOfSound() : Air().SpeedOfSound();
-  const double fastest = std::min(kFastest, kHighestMach * sound);
+  const double fastest = std::min(kFastest, kMaxMach * sound);
   const double speed = airflow.wind.norm();
   if (!(speed >= kSlowest && speed <= fastest)) {
     faults.push_back({"wind", absl::StrCat("must be ", kSlowest, " to ", std::floor(fastest),
@@ -50,8 +50,8 @@ absl::Status CheckAirflow(const Airflow& airflow) {
   if (!(air.pressure >= kThinnest && air.pressure <= kDensest)) {
     faults.push_back({"pressure", absl::StrCat("must be ", kThinnest, " to ", kDensest, " Pa")});
   }
-  if (airflow.cells < kFewestCells || airflow.cells > kMostCells) {
-    faults.push_back({"cells", absl::StrCat("must be ", kFewestCells, " to ", kMostCells)});
+  if (airflow.cells < kMinCells || airflow.cells > kMaxCells) {
+    faults.push_back({"cells", absl::StrCat("must be ", kMinCells, " to ", kMaxCells)});
   }
   return faults.empty() ? absl::OkStatus() : InvalidFields(faults);
 }

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kShortestEdge = 1e-6;  // m; outlines with shorter edges are refused
+constexpr double kMinEdge = 1e-6;  // m; outlines with shorter edges are refused
 
 absl::StatusOr<double> ValueOf(const PlacedExpression& placed, const VectorXd& q) {
   absl::StatusOr<double> value = placed.expression.Value(q);
@@ -35,23 +35,23 @@ std::string OutlineField(const CompiledPart& compiled, bool is_box) {
 }
 
 absl::Status CheckBox(const CompiledPart& compiled, const Eigen::Matrix2Xd& outline) {
-  if (!(outline(0, 1) - outline(0, 0) > kShortestEdge)) {
+  if (!(outline(0, 1) - outline(0, 0) > kMinEdge)) {
     return InvalidField(absl::StrCat(compiled.field, ".box.x"), "'to' is not greater than 'from'");
   }
-  if (!(outline(1, 2) - outline(1, 1) > kShortestEdge)) {
+  if (!(outline(1, 2) - outline(1, 1) > kMinEdge)) {
     return InvalidField(absl::StrCat(compiled.field, ".box.y"), "'to' is not greater than 'from'");
   }
   return absl::OkStatus();
 }
 
 absl::Status CheckShape(const CompiledPart& compiled, bool is_box, const EvaluatedPart& part) {
-  if (!(part.to - part.from > kShortestEdge)) {
+  if (!(part.to - part.from > kMinEdge)) {
     return InvalidField(
         absl::StrCat(compiled.field, is_box ? ".box.z" : ".prism.extent"),
         absl::StrCat("'to' (", part.to, ") is not greater than 'from' (", part.from, ")"));
   }
   if (is_box) return CheckBox(compiled, part.outline);
-  if (!IsSimple(part.outline, kShortestEdge)) {
+  if (!IsSimple(part.outline, kMinEdge)) {
     return InvalidField(OutlineField(compiled, is_box),
                         "is not a simple polygon of at least three distinct corners");
   }

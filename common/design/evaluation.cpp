@@ -29,8 +29,9 @@ const std::vector<Parameter>& TemplateFunction::parameters() const {
 
 VectorXd TemplateFunction::Defaults() const { return parametric::Defaults(parameters()); }
 
-absl::StatusOr<VectorXd> TemplateFunction::Complete(const std::vector<NamedValue>& values) const {
-  return parametric::Complete(parameters(), values);
+absl::StatusOr<VectorXd> TemplateFunction::CompleteParameters(
+    const std::vector<NamedValue>& values) const {
+  return parametric::CompleteParameters(parameters(), values);
 }
 
 VectorXd TemplateFunction::RoundToSteps(const VectorXd& q) const {

@@ -1,7 +1,7 @@
 // F(q): evaluates a template at parameter values (thesis §3.3, equation 3.1; §8.4.2).
 //
 //   MORTISE_ASSIGN_OR_RETURN(TemplateFunction table, TemplateFunction::Create(bundle));
-//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, table.Complete({{"length", 1.6}}));
+//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, table.CompleteParameters({{"length", 1.6}}));
 //   MORTISE_ASSIGN_OR_RETURN(EvaluatedDesign design, table.Evaluate(q));
 //
 // Pegs: where `face` of a connection's part meets the other part is the contact patch. A row stands
@@ -50,7 +50,7 @@ class TemplateFunction {
   // Returns the parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT
   // naming "parameters[i]" for an unknown or repeated name, a value that is not finite or out of
   // range (by more than 1e-9 of the range).
-  absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<NamedValue>& values) const;
+  absl::StatusOr<Eigen::VectorXd> CompleteParameters(const std::vector<NamedValue>& values) const;
 
   // Returns `q` rounded to each parameter's step, what a workshop can set, and kept within the
   // range.

@@ -11,8 +11,8 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kLargestDimension = 100;  // m; nothing sold for joinery is larger
-constexpr double kSameSize = 1e-9;         // m
+constexpr double kMaxDimension = 100;  // m; nothing sold for joinery is larger
+constexpr double kSameSize = 1e-9;     // m
 constexpr std::size_t kMaxMeasures = 32;
 constexpr std::size_t kMaxStockSizes = 64;
 constexpr std::size_t kMaxMoreSuppliers = 16;
@@ -46,9 +46,9 @@ bool IsCurrency(const std::string& text) {
 bool Differ(double a, double b) { return std::abs(a - b) > kSameSize; }
 
 void CheckNotHuge(const std::string& field, double size, std::vector<FieldViolation>& findings) {
-  if (size > kLargestDimension) {
+  if (size > kMaxDimension) {
     findings.push_back(
-        {field, absl::StrCat("is more than ", kLargestDimension, " m; sizes are in metres")});
+        {field, absl::StrCat("is more than ", kMaxDimension, " m; sizes are in metres")});
   }
 }
 

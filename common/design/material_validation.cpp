@@ -9,7 +9,7 @@ namespace {
 
 // How far from singular the scaled compliance must be; the nine constants are known to a few
 // digits.
-constexpr double kLeastDeterminant = 1e-9;
+constexpr double kMinDeterminant = 1e-9;
 
 // A compliance is positive definite where this is: [1 -lr -lt; -lr 1 -rt; -lt -rt 1], in which each
 // ratio is scaled by the square root of the moduli: lr = ν_LR √(E_R / E_L), and so on.
@@ -78,7 +78,7 @@ void CheckElasticity(const OrthotropicElasticity& e, std::vector<FieldViolation>
         "sqrt(youngs_modulus_l / youngs_modulus_t)");
   check("orthotropic.poissons_ratio_rt", e.poissons_ratio_rt, scaled.rt,
         "sqrt(youngs_modulus_r / youngs_modulus_t)");
-  if (is_possible && scaled.Determinant() < kLeastDeterminant) {
+  if (is_possible && scaled.Determinant() < kMinDeterminant) {
     findings.push_back({"orthotropic",
                         "is not positive definite: its three Poisson's ratios are together too "
                         "large, and a deformation would set energy free"});

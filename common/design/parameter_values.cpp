@@ -40,8 +40,8 @@ VectorXd Defaults(const std::vector<Parameter>& parameters) {
   return q;
 }
 
-absl::StatusOr<VectorXd> Complete(const std::vector<Parameter>& parameters,
-                                  const std::vector<NamedValue>& values) {
+absl::StatusOr<VectorXd> CompleteParameters(const std::vector<Parameter>& parameters,
+                                            const std::vector<NamedValue>& values) {
   VectorXd q = Defaults(parameters);
   std::set<std::string> seen;
   std::vector<FieldViolation> faults;

@@ -18,8 +18,8 @@ Eigen::VectorXd Defaults(const std::vector<Parameter>& parameters);
 // Returns the parameter vector with `values` where given and defaults elsewhere. INVALID_ARGUMENT
 // naming "parameters[i]" for an unknown or repeated name, a value that is not finite or out of
 // range (by more than 1e-9 of the range).
-absl::StatusOr<Eigen::VectorXd> Complete(const std::vector<Parameter>& parameters,
-                                         const std::vector<NamedValue>& values);
+absl::StatusOr<Eigen::VectorXd> CompleteParameters(const std::vector<Parameter>& parameters,
+                                                   const std::vector<NamedValue>& values);
 
 // Returns `q` rounded to each parameter's step, what a workshop can set, and kept within the range.
 Eigen::VectorXd RoundToSteps(const std::vector<Parameter>& parameters, const Eigen::VectorXd& q);

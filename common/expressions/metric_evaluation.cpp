@@ -1,4 +1,4 @@
-// Values and gradients of metrics of one's own, once they are parsed.
+// Values and gradients of custom metrics, once they are parsed.
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"

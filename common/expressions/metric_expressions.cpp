@@ -15,7 +15,7 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kLongestDescription = 1000;  // bytes
+constexpr std::size_t kMaxDescriptionLength = 1000;  // bytes
 
 // Nothing where nobody says, or it is no unit.
 std::optional<Dimension> DimensionOf(const std::string& unit) {
@@ -92,9 +92,9 @@ void MetricExpressions::Add(const MetricDefinitions& definitions, const std::str
       findings.push_back(
           {place + ".name", absl::StrCat("'", metric.name, "' is a metric already")});
     }
-    if (metric.description.size() > kLongestDescription) {
-      findings.push_back(
-          {place + ".description", absl::StrCat("is longer than ", kLongestDescription, " bytes")});
+    if (metric.description.size() > kMaxDescriptionLength) {
+      findings.push_back({place + ".description",
+                          absl::StrCat("is longer than ", kMaxDescriptionLength, " bytes")});
     }
     definitions_.push_back(metric);
     Parsed& parsed = parsed_.emplace_back();

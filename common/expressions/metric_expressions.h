@@ -1,4 +1,4 @@
-// Metrics of one's own (thesis §6.7, §7.6.2: the force needed for a torque, the mean distance of a
+// Custom metrics (thesis §6.7, §7.6.2: the force needed for a torque, the mean distance of a
 // lamp's beams to a focus): expressions over parameters, other metrics, and functions of named
 // faces and points.
 //

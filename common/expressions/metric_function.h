@@ -1,4 +1,4 @@
-// Functions of named faces and points that metrics of one's own can use: area('rim'),
+// Functions of named faces and points that custom metrics can use: area('rim'),
 // distance('jaw', 'grip').
 #pragma once
 

@@ -13,8 +13,8 @@ namespace {
 // As the catalog keeps it: triangulated and checked, so that it starts without the CAD kernel. Its
 // name is the digest of the rest, since the kernel may crash over surfaces that are damaged.
 absl::StatusOr<v1::Shape> ReadShape(const std::filesystem::path& path) {
-  constexpr std::size_t kMostBytes = 16 << 20;
-  const absl::StatusOr<std::string> bytes = ReadFile(path, kMostBytes);
+  constexpr std::size_t kMaxBytes = 16 << 20;
+  const absl::StatusOr<std::string> bytes = ReadFile(path, kMaxBytes);
   if (!bytes.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat("'", path.string(), "' cannot be read: ", bytes.status().message()));

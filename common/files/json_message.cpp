@@ -21,8 +21,8 @@ using google::protobuf::Message;
 using google::protobuf::MessageFactory;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostShown = 80;  // bytes
-constexpr int kMostNesting = 64;
+constexpr std::size_t kMaxShown = 80;  // bytes
+constexpr int kMaxNesting = 64;
 
 // Takes what cannot be read out of a JSON object.
 class Cleaner {
@@ -97,7 +97,7 @@ class Cleaner {
   // What is said of a value that the field cannot have.
   static std::string Refusal(const Json& value, const FieldDescriptor& field) {
     const std::string shown = value.is_primitive() ? value.dump() + " " : "";
-    return absl::StrCat(shown.size() > kMostShown ? "" : shown, WantedValue(field));
+    return absl::StrCat(shown.size() > kMaxShown ? "" : shown, WantedValue(field));
   }
 
   bool CleanValue(Json& value, const FieldDescriptor& field, const std::string& place) {
@@ -148,7 +148,7 @@ std::vector<FieldViolation> ReadJsonMessage(std::string_view text, Message& mess
   if (read.ok()) return repeated;
   message.Clear();
   const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) {
-    return depth <= kMostNesting;
+    return depth <= kMaxNesting;
   };
   Json object = Json::parse(text, is_shallow, /*allow_exceptions=*/false);
   if (!object.is_object()) return {{"", std::string(read.message())}};

@@ -1,4 +1,4 @@
-// Metrics of one's own to and from mortise/v1/metric.proto.
+// Custom metrics to and from mortise/v1/metric.proto.
 #pragma once
 
 #include "common/base/field_violations.h"

@@ -13,7 +13,7 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr std::size_t kLargestChunk = 1024 * 1024;
+constexpr std::size_t kMaxChunk = 1024 * 1024;
 
 using ChunkWriter = std::shared_ptr<StreamWriter<v1::Chunk>>;
 using ReadRange = std::function<absl::StatusOr<std::string>(int64_t offset, int64_t length)>;
@@ -98,7 +98,7 @@ absl::Status ChunkAssembler::Append(const v1::Chunk& chunk) {
     return InvalidField("offset",
                         absl::StrCat("must be ", received_, ", the end of the last chunk"));
   }
-  if (chunk.data().size() > kLargestChunk) {
+  if (chunk.data().size() > kMaxChunk) {
     return InvalidField("data", "must be at most 1 MiB in each chunk");
   }
   if (!writer_) {

@@ -18,11 +18,11 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr int kMostTypes = 100;
-constexpr std::size_t kMostTypeBytes = 256;
-constexpr int kMostPositions = 64;
+constexpr int kMaxTypes = 100;
+constexpr std::size_t kMaxTypeBytes = 256;
+constexpr int kMaxPositions = 64;
 constexpr int kDefaultLimit = 1000;
-constexpr int kLargestLimit = 10000;
+constexpr int kMaxLimit = 10000;
 constexpr int kFollowBatch = 500;
 // How soon a follower sees events that another replica numbered.
 constexpr absl::Duration kPollInterval = absl::Seconds(1);
@@ -131,7 +131,7 @@ absl::StatusOr<v1::ReadEventsResponse> ReadEvents(const EventSource& source, con
                                                   const v1::ReadEventsRequest& asked) {
   MORTISE_RETURN_IF_ERROR(CheckStream(source, asked.stream(), "stream"));
   if (asked.after_number() < 0) return InvalidField("after_number", "must be at least 0");
-  if (asked.limit() < 0 || asked.limit() > kLargestLimit) {
+  if (asked.limit() < 0 || asked.limit() > kMaxLimit) {
     return InvalidField("limit", "must be 0 to 10000");
   }
   const int limit = asked.limit() == 0 ? kDefaultLimit : asked.limit();
@@ -229,11 +229,11 @@ class EventAdapter final : public v1::EventService::CallbackService {
 }  // namespace
 
 absl::Status CheckTypePrefixes(const google::protobuf::RepeatedPtrField<std::string>& prefixes) {
-  if (prefixes.size() > kMostTypes) {
+  if (prefixes.size() > kMaxTypes) {
     return InvalidField("type_prefixes", "has more than 100 entries");
   }
   for (int i = 0; i < prefixes.size(); ++i) {
-    if (prefixes[i].size() > kMostTypeBytes) {
+    if (prefixes[i].size() > kMaxTypeBytes) {
       return InvalidField("type_prefixes[" + std::to_string(i) + "]", "has more than 256 bytes");
     }
   }
@@ -243,7 +243,7 @@ absl::Status CheckTypePrefixes(const google::protobuf::RepeatedPtrField<std::str
 absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
     const v1::FollowEventsRequest& asked) {
   if (asked.after_number() < -1) return InvalidField("after_number", "must be at least -1");
-  if (asked.positions_size() > kMostPositions) {
+  if (asked.positions_size() > kMaxPositions) {
     return InvalidField("positions", "has more than 64 entries");
   }
   std::map<std::string, int64_t> positions;

@@ -18,22 +18,22 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr jobs::OperationState kStates[] = {
-    jobs::OperationState::kPending, jobs::OperationState::kRunning,
-    jobs::OperationState::kSucceeded, jobs::OperationState::kFailed,
-    jobs::OperationState::kCancelled};
+constexpr operations::OperationState kStates[] = {
+    operations::OperationState::kPending, operations::OperationState::kRunning,
+    operations::OperationState::kSucceeded, operations::OperationState::kFailed,
+    operations::OperationState::kCancelled};
 
-v1::Operation::State StateOf(jobs::OperationState state) {
+v1::Operation::State StateOf(operations::OperationState state) {
   switch (state) {
-    case jobs::OperationState::kPending:
+    case operations::OperationState::kPending:
       return v1::Operation::PENDING;
-    case jobs::OperationState::kRunning:
+    case operations::OperationState::kRunning:
       return v1::Operation::RUNNING;
-    case jobs::OperationState::kSucceeded:
+    case operations::OperationState::kSucceeded:
       return v1::Operation::SUCCEEDED;
-    case jobs::OperationState::kFailed:
+    case operations::OperationState::kFailed:
       return v1::Operation::FAILED;
-    case jobs::OperationState::kCancelled:
+    case operations::OperationState::kCancelled:
       return v1::Operation::CANCELLED;
   }
   return v1::Operation::STATE_UNSPECIFIED;
@@ -45,8 +45,8 @@ google::protobuf::Timestamp Timestamp(absl::Time time) {
 
 }  // namespace
 
-jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
-                               const std::string& subject, std::string bytes) {
+operations::NewOperation OperationOf(const Call& call, const std::string& kind,
+                                     const std::string& subject, std::string bytes) {
   return {.kind = kind,
           .request = std::move(bytes),
           .subject = subject,
@@ -61,7 +61,7 @@ std::string PackResult(const google::protobuf::Message& result) {
   return any.SerializeAsString();
 }
 
-v1::Operation ToProto(const jobs::Operation& operation) {
+v1::Operation ToProto(const operations::Operation& operation) {
   v1::Operation proto;
   proto.set_name(operation.name);
   proto.set_kind(operation.kind);
@@ -84,9 +84,9 @@ v1::Operation ToProto(const jobs::Operation& operation) {
   return proto;
 }
 
-absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
+absl::StatusOr<std::vector<operations::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states) {
-  std::vector<jobs::OperationState> found;
+  std::vector<operations::OperationState> found;
   if (states.size() > static_cast<int>(std::size(kStates))) {
     return InvalidField("states", absl::StrCat("has ", states.size(), " entries; there are ",
                                                std::size(kStates), " states"));
@@ -94,7 +94,7 @@ absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
   for (int i = 0; i < states.size(); ++i) {
     const auto* const known =
         std::find_if(std::begin(kStates), std::end(kStates),
-                     [&](jobs::OperationState state) { return StateOf(state) == states[i]; });
+                     [&](operations::OperationState state) { return StateOf(state) == states[i]; });
     if (known == std::end(kStates)) {
       return InvalidField(absl::StrCat("states[", i, "]"), "must be a state of operations");
     }

@@ -21,13 +21,13 @@ namespace mortise::rpc {
 class Call;
 
 // The operation that a call starts: `bytes` are its request, as its handler reads it.
-jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
-                               const std::string& subject, std::string bytes);
+operations::NewOperation OperationOf(const Call& call, const std::string& kind,
+                                     const std::string& subject, std::string bytes);
 
 // The external ids and labels that a request gives the resource it makes. They are as they came:
 // resources::CheckTags says what is wrong with them.
 template <typename Request>
-jobs::OperationTags TagsOf(const Request& request) {
+operations::OperationTags TagsOf(const Request& request) {
   return {.external_ids = {request.external_ids().begin(), request.external_ids().end()},
           .labels = {request.labels().begin(), request.labels().end()}};
 }
@@ -35,24 +35,24 @@ jobs::OperationTags TagsOf(const Request& request) {
 // The same with the tags of `request`, where the handler reads other bytes than those of the
 // request.
 template <typename Request>
-jobs::NewOperation OperationOf(const Call& call, const std::string& kind,
-                               const std::string& subject, const Request& request,
-                               std::string bytes) {
-  jobs::NewOperation operation = OperationOf(call, kind, subject, std::move(bytes));
+operations::NewOperation OperationOf(const Call& call, const std::string& kind,
+                                     const std::string& subject, const Request& request,
+                                     std::string bytes) {
+  operations::NewOperation operation = OperationOf(call, kind, subject, std::move(bytes));
   operation.tags = TagsOf(request);
   return operation;
 }
 
 // The same where the handler reads the request itself.
 template <typename Request>
-requires std::derived_from<Request, google::protobuf::Message> jobs::NewOperation OperationOf(
+requires std::derived_from<Request, google::protobuf::Message> operations::NewOperation OperationOf(
     const Call& call, const std::string& kind, const std::string& subject, const Request& request) {
   return OperationOf(call, kind, subject, request, request.SerializeAsString());
 }
 
 // Gives a resource that an operation made the operation's tags and creator, in place of its own.
 template <typename Resource>
-void SetTagsAndCreator(const jobs::Operation& operation, Resource* resource) {
+void SetTagsAndCreator(const operations::Operation& operation, Resource* resource) {
   resource->mutable_external_ids()->Assign(operation.tags.external_ids.begin(),
                                            operation.tags.external_ids.end());
   resource->mutable_labels()->clear();
@@ -64,11 +64,11 @@ void SetTagsAndCreator(const jobs::Operation& operation, Resource* resource) {
 std::string PackResult(const google::protobuf::Message& result);
 
 // The operation as clients see it. A result that was not made by PackResult is left out.
-v1::Operation ToProto(const jobs::Operation& operation);
+v1::Operation ToProto(const operations::Operation& operation);
 
 // The states of common/operations that `states` names; INVALID_ARGUMENT naming the entry that is
 // none.
-absl::StatusOr<std::vector<jobs::OperationState>> StatesFrom(
+absl::StatusOr<std::vector<operations::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states);
 
 }  // namespace mortise::rpc

@@ -24,8 +24,8 @@
 namespace mortise::rpc::methods {
 namespace {
 
-constexpr double kDefaultWait = 60;    // s
-constexpr double kLongestWait = 3600;  // s
+constexpr double kDefaultWait = 60;  // s
+constexpr double kMaxWait = 3600;    // s
 // How long before the caller's deadline a wait answers, so that the answer still arrives.
 constexpr absl::Duration kAnswerTime = absl::Milliseconds(100);
 
@@ -35,7 +35,7 @@ constexpr std::size_t kShownText = 100;  // bytes of what somebody asked for
 constexpr Role kRoleOfUnknownMethod = Role::kOperator;
 
 // The role of the method that started an operation, as the proto says.
-Role RoleToStart(const jobs::Operation& operation) {
+Role RoleToStart(const operations::Operation& operation) {
   const std::string& method = operation.method;
   const std::size_t slash = method.find('/');
   if (slash == std::string::npos) return kRoleOfUnknownMethod;
@@ -44,7 +44,7 @@ Role RoleToStart(const jobs::Operation& operation) {
 }
 
 // PERMISSION_DENIED naming the method that started it, where that takes more than `role`.
-absl::Status CheckMayStop(Role role, const jobs::Operation& operation) {
+absl::Status CheckMayStop(Role role, const operations::Operation& operation) {
   const Role needed = RoleToStart(operation);
   if (role >= needed) return absl::OkStatus();
   const std::string starter =
@@ -58,11 +58,11 @@ absl::Status CheckMayStop(Role role, const jobs::Operation& operation) {
 // Holds a watch until the wait it serves is over.
 struct Waiting {
   std::mutex mutex;
-  std::unique_ptr<jobs::OperationWatch> watch;
+  std::unique_ptr<operations::OperationWatch> watch;
 };
 
-absl::StatusOr<v1::Operation> Find(jobs::Operations& operations, const std::string& name) {
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, operations.Get(name));
+absl::StatusOr<v1::Operation> Find(operations::Operations& operations, const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation, operations.Get(name));
   return ToProto(operation);
 }
 
@@ -79,7 +79,7 @@ absl::Status CheckSubject(const std::string& subject) {
 
 // Each service knows the kinds of all, so that none is taken for one that has nothing to show.
 absl::Status CheckKind(const std::string& kind) {
-  const auto& kinds = jobs::kOperationKinds;
+  const auto& kinds = operations::kOperationKinds;
   if (kind.empty() || std::find(std::begin(kinds), std::end(kinds), kind) != std::end(kinds)) {
     return absl::OkStatus();
   }
@@ -107,15 +107,16 @@ absl::StatusOr<v1::ListOperationsResponse> ListOperations(const HostedOperations
   if (!asked.service().empty() && asked.service() != host.dispatcher->options().service) {
     return response;
   }
-  const jobs::OperationFilter filter{.states = *std::move(states),
-                                     .kind = asked.kind(),
-                                     .subject = asked.subject(),
-                                     .takes = [&](const jobs::Operation& operation) {
-                                       return wanted->Matches(ToProto(operation));
-                                     }};
-  const auto begin = [&]() -> jobs::Operations::Visitor {
+  const operations::OperationFilter filter{.states = *std::move(states),
+                                           .kind = asked.kind(),
+                                           .subject = asked.subject(),
+                                           .takes = [&](const operations::Operation& operation) {
+                                             return wanted->Matches(ToProto(operation));
+                                           }};
+  const auto begin = [&]() -> operations::Operations::Visitor {
     response.Clear();
-    return [&, room = resources::PageRoom(query->size)](const jobs::Operation& operation) mutable {
+    return [&, room = resources::PageRoom(query->size)](
+               const operations::Operation& operation) mutable {
       v1::Operation proto = ToProto(operation);
       if (asked.omit_results()) proto.clear_result();
       if (room.Take(proto.ByteSizeLong())) {
@@ -135,9 +136,10 @@ absl::StatusOr<v1::ListOperationsResponse> ListOperations(const HostedOperations
 // Who may not start an operation may not stop it either.
 absl::StatusOr<v1::Operation> StopOperation(const HostedOperations& host, const Call& call,
                                             const v1::CancelOperationRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation present, host.operations->Get(asked.name()));
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation present, host.operations->Get(asked.name()));
   MORTISE_RETURN_IF_ERROR(CheckMayStop(call.identity().role, present));
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation stopped, host.operations->Cancel(asked.name()));
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation stopped,
+                           host.operations->Cancel(asked.name()));
   return ToProto(stopped);
 }
 
@@ -150,7 +152,7 @@ absl::StatusOr<v1::Operation> CancelOperation(const HostedOperations&, const Cal
 absl::Status WaitOperation(const HostedOperations& host, const Call& call,
                            const v1::WaitOperationRequest& asked,
                            const std::function<void(absl::StatusOr<v1::Operation>)>& respond) {
-  if (asked.timeout_seconds() < 0 || asked.timeout_seconds() > kLongestWait) {
+  if (asked.timeout_seconds() < 0 || asked.timeout_seconds() > kMaxWait) {
     return InvalidField("timeout_seconds", "must be 0 to 3600");
   }
   const double seconds = asked.has_timeout_seconds() ? asked.timeout_seconds() : kDefaultWait;
@@ -160,9 +162,9 @@ absl::Status WaitOperation(const HostedOperations& host, const Call& call,
   auto waiting = std::make_shared<Waiting>();
   // The watch must not go away within its own callback, so the answer is given elsewhere.
   MORTISE_ASSIGN_OR_RETURN(
-      auto watch, host.operations->Watch(asked.name(), [dispatcher = host.dispatcher,
-                                                        respond](const jobs::Operation& operation) {
-        if (!jobs::IsFinal(operation.state)) return;
+      auto watch, host.operations->Watch(asked.name(), [dispatcher = host.dispatcher, respond](
+                                                           const operations::Operation& operation) {
+        if (!operations::IsFinal(operation.state)) return;
         dispatcher->Submit([respond, proto = ToProto(operation)] { respond(proto); },
                            Lane::kStreams);
       }));
@@ -187,10 +189,10 @@ absl::Status WatchOperation(const HostedOperations& host, const Call&,
                             const v1::WatchOperationRequest& asked,
                             const std::shared_ptr<StreamWriter<v1::Operation>>& writer) {
   MORTISE_ASSIGN_OR_RETURN(
-      std::shared_ptr<jobs::OperationWatch> watch,
-      host.operations->Watch(asked.name(), [writer](const jobs::Operation& operation) {
+      std::shared_ptr<operations::OperationWatch> watch,
+      host.operations->Watch(asked.name(), [writer](const operations::Operation& operation) {
         writer->WriteLatest(ToProto(operation));
-        if (jobs::IsFinal(operation.state)) writer->Finish(absl::OkStatus());
+        if (operations::IsFinal(operation.state)) writer->Finish(absl::OkStatus());
       }));
   writer->OnEnd([watch] {});  // keeps it until then
   return absl::OkStatus();

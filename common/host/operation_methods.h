@@ -12,7 +12,7 @@
 #include "common/store/store.h"
 #include "mortise/v1/operations.pb.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 
@@ -23,7 +23,7 @@ class Dispatcher;
 // What the methods stand on; both outlive them.
 struct HostedOperations {
   Dispatcher* dispatcher;
-  jobs::Operations* operations;
+  operations::Operations* operations;
 };
 
 namespace methods {

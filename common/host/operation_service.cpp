@@ -29,7 +29,7 @@ class OperationAdapter final : public v1::OperationService::CallbackService {
 }  // namespace
 
 std::shared_ptr<grpc::Service> MakeOperationService(Dispatcher* dispatcher,
-                                                    jobs::Operations* operations) {
+                                                    operations::Operations* operations) {
   return std::make_shared<OperationAdapter>(HostedOperations{dispatcher, operations});
 }
 

@@ -6,7 +6,7 @@
 namespace grpc {
 class Service;
 }
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 
@@ -16,6 +16,6 @@ class Dispatcher;
 
 // `operations` and `dispatcher` must outlive it.
 std::shared_ptr<grpc::Service> MakeOperationService(Dispatcher* dispatcher,
-                                                    jobs::Operations* operations);
+                                                    operations::Operations* operations);
 
 }  // namespace mortise::rpc

@@ -69,10 +69,10 @@ class Service : public RunningService {
                                       .registry = registry_});
     peers_ = std::make_unique<Peers>(options_.peers, options_.security);
     MORTISE_ASSIGN_OR_RETURN(operations_,
-                             jobs::Operations::Create({.service = options_.name,
-                                                       .owner = options_.replica,
-                                                       .threads = options_.operation_threads},
-                                                      store_.get()));
+                             operations::Operations::Create({.service = options_.name,
+                                                             .owner = options_.replica,
+                                                             .threads = options_.operation_threads},
+                                                            store_.get()));
     environment_.reset(new ServiceEnvironment{options_, store_.get(), operations_.get(),
                                               dispatcher_.get(), peers_.get(), signer_.get(),
                                               registry_});
@@ -167,7 +167,7 @@ class Service : public RunningService {
   std::unique_ptr<bus::OutboxRelay> relay_;
   std::unique_ptr<Dispatcher> dispatcher_;
   std::unique_ptr<Peers> peers_;
-  std::unique_ptr<jobs::Operations> operations_;
+  std::unique_ptr<operations::Operations> operations_;
   std::unique_ptr<ServiceEnvironment> environment_;
   std::vector<std::shared_ptr<grpc::Service>> services_;
   std::unique_ptr<ServerHost> host_;

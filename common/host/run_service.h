@@ -22,7 +22,7 @@ class Registry;
 namespace mortise::store {
 class Store;
 }
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 
@@ -36,10 +36,10 @@ class Peers;
 struct ServiceEnvironment {
   const ServiceOptions& options;
   store::Store* store;
-  jobs::Operations* operations;  // register handlers in MakeServices; Start in mutations
-  Dispatcher* dispatcher;        // for Endpoint (handler.h)
-  Peers* peers;                  // channels to other services
-  const IdentitySigner* signer;  // for OwnOrigin (channel.h); null in development
+  operations::Operations* operations;  // register handlers in MakeServices; Start in mutations
+  Dispatcher* dispatcher;              // for Endpoint (handler.h)
+  Peers* peers;                        // channels to other services
+  const IdentitySigner* signer;        // for OwnOrigin (channel.h); null in development
   std::shared_ptr<prometheus::Registry> registry;  // for metrics of the service's own
 };
 

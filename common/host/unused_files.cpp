@@ -18,12 +18,13 @@ struct FileUse {
   absl::Time oldest_work = absl::InfiniteFuture();
 };
 
-absl::Status AddOperations(jobs::Operations& operations, const NamedFiles& named, FileUse& use) {
+absl::Status AddOperations(operations::Operations& operations, const NamedFiles& named,
+                           FileUse& use) {
   std::string after;
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(const auto page, operations.List(after, kPage));
-    for (const jobs::Operation& operation : page) {
-      if (jobs::IsFinal(operation.state)) continue;
+    for (const operations::Operation& operation : page) {
+      if (operations::IsFinal(operation.state)) continue;
       use.oldest_work = std::min(use.oldest_work, operation.created_at);
       if (named.by_operation) named.by_operation(operation, &use.named);
     }
@@ -35,7 +36,7 @@ absl::Status AddOperations(jobs::Operations& operations, const NamedFiles& named
 }  // namespace
 
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder,
                                                       const NamedFiles& named) {
   const absl::Time now = store.Now();

@@ -12,10 +12,10 @@
 #include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 struct Operation;
-}  // namespace mortise::jobs
+}  // namespace mortise::operations
 
 namespace mortise::rpc {
 
@@ -29,7 +29,7 @@ inline constexpr absl::Duration kAbandonedPartLife = absl::Hours(1);
 // Adds the digests of files that are named.
 struct NamedFiles {
   // By the request of an unfinished operation; may be empty.
-  std::function<void(const jobs::Operation&, std::set<std::string>* named)> by_operation = {};
+  std::function<void(const operations::Operation&, std::set<std::string>* named)> by_operation = {};
   // By what the store has.
   std::function<absl::Status(store::ReadTransaction&, std::set<std::string>* named)> by_store;
 };
@@ -37,7 +37,7 @@ struct NamedFiles {
 // Removes files that nothing names and that are older than their life and than an hour before every
 // unfinished operation, whose files are not named before it ends.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder,
                                                       const NamedFiles& named);
 

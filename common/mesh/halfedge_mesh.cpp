@@ -14,7 +14,7 @@ using OpenMesh::FaceHandle;
 using OpenMesh::HalfedgeHandle;
 using OpenMesh::VertexHandle;
 
-constexpr std::size_t kMostFaults = 5;  // told of one surface
+constexpr std::size_t kMaxFaults = 5;  // told of one surface
 
 // One side of a triangle, sorted to the lower of its ends.
 struct Side {
@@ -165,7 +165,7 @@ std::vector<SurfaceFault> FaultsOf(const SurfaceMesh& surface, const CutSurface&
   using Kind = SurfaceFault::Kind;
   std::vector<SurfaceFault> faults;
   const auto add = [&faults](const SurfaceFault& fault) {
-    if (faults.size() < kMostFaults) faults.push_back(fault);
+    if (faults.size() < kMaxFaults) faults.push_back(fault);
   };
   for (const auto& corners : surface.triangles.colwise()) {
     if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]) continue;

@@ -28,9 +28,9 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMost = 40;          // violations, about as many as an answer holds
-constexpr std::size_t kMostNesting = 100;  // as protobuf's reader
-constexpr std::size_t kMostShown = 80;     // bytes
+constexpr std::size_t kMost = 40;         // violations, about as many as an answer holds
+constexpr std::size_t kMaxNesting = 100;  // as protobuf's reader
+constexpr std::size_t kMaxShown = 80;     // bytes
 
 constexpr char kObject[] = "must be an object";
 
@@ -286,7 +286,7 @@ class Walk : public nlohmann::json_sax<Json> {
     std::string_view digits = value;
     if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
     if (!is_number || !(digits.starts_with("0x") || digits.starts_with("0X"))) return;
-    const bool is_shown = value.size() <= kMostShown;
+    const bool is_shown = value.size() <= kMaxShown;
     Add(is_shown ? absl::StrCat("\"", absl::string_view(value.data(), value.size()), "\" ",
                                 WantedValue(*field))
                  : WantedValue(*field),
@@ -301,12 +301,12 @@ class Walk : public nlohmann::json_sax<Json> {
     if (CanBe(*field, value)) return;
     const std::string wanted = WantedValue(*field);
     const std::string shown = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-    const bool is_shown = wanted != kObject && shown.size() <= kMostShown;
+    const bool is_shown = wanted != kObject && shown.size() <= kMaxShown;
     Add(absl::StrCat(is_shown ? shown + " " : "", wanted));
   }
 
   bool Enter(Frame frame) {
-    if (frames_.size() == kMostNesting) {
+    if (frames_.size() == kMaxNesting) {
       faults_.push_back({"", "is nested too deeply"});
       return false;
     }

@@ -22,7 +22,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::io::Tokenizer;
 
 constexpr std::size_t kMost = 40;  // faults, about as many as an answer holds
-constexpr int kMostNesting = 100;
+constexpr int kMaxNesting = 100;
 
 // A value that is no message, as it was written.
 struct Scalar {
@@ -109,7 +109,7 @@ class Walk {
   // The fields up to `end`, which ends the text if it is empty. False where the rest cannot be
   // understood; `type` is null for a message of which nothing is known.
   bool Fields(const Descriptor* type, const std::string& end, int depth) {
-    if (depth > kMostNesting) return Stop("is nested too deeply");
+    if (depth > kMaxNesting) return Stop("is nested too deeply");
     std::set<const FieldDescriptor*> fields;
     std::set<const google::protobuf::OneofDescriptor*> chosen;
     while (!IsAtEnd(end)) {
@@ -242,8 +242,9 @@ class Walk {
       default:
         return StopAtPresent();
     }
-    if (field != nullptr && !CanBe(*field, value))
+    if (field != nullptr && !CanBe(*field, value)) {
       Add(start, WantedValue(*field, Notation::kTextFormat));
+    }
     return true;
   }
 

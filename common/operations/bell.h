@@ -6,7 +6,7 @@
 
 #include "absl/time/time.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 // One thread waits, any thread rings; a ring is kept until the next wait.
 class Bell {
@@ -30,4 +30,4 @@ class Bell {
   bool rung_ = false;  // guarded by mutex_
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -2,7 +2,7 @@
 // own, and lists of operations are asked for by them.
 #pragma once
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 inline constexpr char kPlanOperation[] = "fabplanner.plan";
 inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
@@ -13,4 +13,4 @@ inline constexpr char kAnalysisOperation[] = "simulator.analysis";
 inline constexpr const char* kOperationKinds[] = {
     kPlanOperation, kWorkOrderOperation, kDiscoveryOperation, kIndexOperation, kAnalysisOperation};
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -10,7 +10,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 namespace {
 
 using nlohmann::json;
@@ -273,4 +273,4 @@ absl::StatusOr<std::string> OperationRecords::LoadCheckpoint(store::ReadTransact
   return BytesOrNone(transaction.Get(kCheckpoints, id));
 }
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -11,7 +11,7 @@
 #include "common/operations/operations.h"
 #include "common/store/store.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 // Reads and writes inside the caller's transaction.
 class OperationRecords {
@@ -62,4 +62,4 @@ class OperationRecords {
   DescribeOperation describe_;
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

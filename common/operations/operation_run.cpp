@@ -4,7 +4,7 @@
 
 #include "common/base/errors.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 OperationRun::OperationRun(const RunLease& lease, const Operation& operation,
                            std::string checkpoint, store::Store* store, OperationRecords* records)
@@ -81,4 +81,4 @@ absl::Status OperationRun::TransactWithCheckpoint(
   });
 }
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

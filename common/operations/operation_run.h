@@ -13,7 +13,7 @@
 #include "common/operations/operations.h"
 #include "common/store/store.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 // Where a run stands in the task queue; the attempt is its fencing token.
 struct RunLease {
@@ -79,4 +79,4 @@ class OperationRun final : public OperationContext {
   std::string kept_result_;           // guarded by mutex_
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

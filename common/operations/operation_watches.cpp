@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 class OperationWatches::Registration final : public OperationWatch {
  public:
@@ -60,4 +60,4 @@ std::set<std::string> OperationWatches::Names() {
   return names;
 }
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

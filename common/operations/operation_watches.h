@@ -10,7 +10,7 @@
 
 #include "common/operations/operations.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 // Thread safe. Each watch sees ever newer revisions, one call at a time, up to the final one.
 class OperationWatches {
@@ -43,4 +43,4 @@ class OperationWatches {
   std::set<std::shared_ptr<Watch>> watches_;  // guarded by mutex_
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -24,7 +24,7 @@
 #include "common/operations/operation_run.h"
 #include "common/operations/operation_watches.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 namespace {
 
 std::string QueueOf(const std::string& kind) { return "operations/" + kind; }
@@ -478,4 +478,4 @@ absl::StatusOr<std::unique_ptr<Operations>> Operations::Create(const OperationsO
   return std::make_unique<StoredOperations>(options, store);
 }
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -28,7 +28,7 @@
 #include "absl/time/time.h"
 #include "common/store/store.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 // What callers attach to an operation, and to the resource that it makes, to find them by.
 struct OperationTags {
@@ -219,4 +219,4 @@ class Operations {
       std::string_view name, std::function<void(const Operation&)> callback) = 0;
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

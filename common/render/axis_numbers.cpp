@@ -57,14 +57,14 @@ std::string ShortNumber(double value, int digits) {
 }
 
 std::vector<std::string> ShortNumbers(const std::vector<double>& values, int digits) {
-  constexpr int kMostDigits = 15;
+  constexpr int kMaxDigits = 15;
   const std::size_t different = std::set<double>(values.begin(), values.end()).size();
   std::vector<std::string> texts;
   do {
     texts.clear();
     for (const double value : values) texts.push_back(ShortNumber(value, digits));
   } while (std::set<std::string>(texts.begin(), texts.end()).size() < different &&
-           ++digits <= kMostDigits);
+           ++digits <= kMaxDigits);
   return texts;
 }
 

@@ -10,11 +10,11 @@
 namespace mortise::resources {
 namespace {
 
-constexpr std::size_t kLongestPosition = 4096;  // bytes; a merged list has one of each source
+constexpr std::size_t kMaxPosition = 4096;  // bytes; a merged list has one of each source
 constexpr char kForeignToken[] = "is not one that this method gave";
 
 bool MayBePosition(const std::string& text) {
-  return text.size() <= kLongestPosition &&
+  return text.size() <= kMaxPosition &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
 }
 
@@ -22,8 +22,8 @@ bool MayBePosition(const std::string& text) {
 
 absl::StatusOr<PageQuery> ReadPageQuery(int page_size, const std::string& page_token) {
   std::vector<FieldViolation> violations;
-  if (page_size < 0 || page_size > kLargestPageSize) {
-    violations.push_back({"page_size", absl::StrCat("must be 0 to ", kLargestPageSize)});
+  if (page_size < 0 || page_size > kMaxPageSize) {
+    violations.push_back({"page_size", absl::StrCat("must be 0 to ", kMaxPageSize)});
   }
   if (!MayBePosition(page_token)) violations.push_back({"page_token", kForeignToken});
   if (!violations.empty()) return InvalidFields(violations);
@@ -33,7 +33,7 @@ absl::StatusOr<PageQuery> ReadPageQuery(int page_size, const std::string& page_t
 absl::Status NotAPageToken() { return InvalidField("page_token", kForeignToken); }
 
 bool PageRoom::Take(std::size_t bytes) {
-  const bool is_full = entries_ == most_ || (entries_ > 0 && bytes_ + bytes > kMostPageBytes);
+  const bool is_full = entries_ == most_ || (entries_ > 0 && bytes_ + bytes > kMaxPageBytes);
   if (is_full) return false;
   ++entries_;
   bytes_ += bytes;

@@ -2,7 +2,7 @@
 // and how a request for one that cannot be is refused.
 //
 // A page ends after as many entries as were asked for, or before the entry with which it would
-// outgrow kMostPageBytes, whichever comes first. A single entry that is larger than that is a page
+// outgrow kMaxPageBytes, whichever comes first. A single entry that is larger than that is a page
 // of its own. A page that is not the last has a token, also where it is shorter than was asked.
 #pragma once
 
@@ -14,12 +14,12 @@
 
 namespace mortise::resources {
 
-inline constexpr int kDefaultPageSize = 100;   // entries, where a request says 0
-inline constexpr int kLargestPageSize = 1000;  // entries
+inline constexpr int kDefaultPageSize = 100;  // entries, where a request says 0
+inline constexpr int kMaxPageSize = 1000;     // entries
 
 // Of a page's entries. gRPC's clients take 4 MiB, the same entries as JSON are longer, and one
 // entry more must fit where it is the only one.
-inline constexpr std::size_t kMostPageBytes = 2'000'000;
+inline constexpr std::size_t kMaxPageBytes = 2'000'000;
 
 // What a request asks for, as handlers see it (their page tokens are positions: page_tokens.h).
 struct PageQuery {
@@ -27,7 +27,7 @@ struct PageQuery {
   std::string after;  // where the page before ended; empty for the first page
 };
 
-// INVALID_ARGUMENT naming page_size that is below 0 or above kLargestPageSize, and page_token that
+// INVALID_ARGUMENT naming page_size that is below 0 or above kMaxPageSize, and page_token that
 // is no position of any list: too long, or with characters that no key has.
 absl::StatusOr<PageQuery> ReadPageQuery(int page_size, const std::string& page_token);
 

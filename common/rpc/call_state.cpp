@@ -19,7 +19,7 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr std::size_t kLongestTraceId = 128;
+constexpr std::size_t kMaxTraceIdLength = 128;
 
 std::string Metadata(const grpc::CallbackServerContext& context, const char* key) {
   const auto found = context.client_metadata().find(key);
@@ -35,7 +35,7 @@ Lane LaneOf(const v1::Access& access, const google::protobuf::MethodDescriptor& 
 }
 
 bool IsTraceId(const std::string& text) {
-  return !text.empty() && text.size() <= kLongestTraceId &&
+  return !text.empty() && text.size() <= kMaxTraceIdLength &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
 }
 

@@ -31,7 +31,7 @@
 namespace mortise::rpc {
 
 // Requests of streams without end say what to follow, and never come near this.
-inline constexpr std::size_t kMostBytesOfEndless = 64 * 1024;
+inline constexpr std::size_t kMaxBytesOfEndless = 64 * 1024;
 
 // Answers an AsyncQuery. Only the first call counts; somebody must make it.
 template <class Response>
@@ -164,7 +164,7 @@ class Endpoint {
             const Call& call,
             const std::shared_ptr<StreamWriter<Response>>& writer) -> absl::Status {
           // gRPC keeps the request for as long as the stream.
-          if (endless && request->ByteSizeLong() > kMostBytesOfEndless) {
+          if (endless && request->ByteSizeLong() > kMaxBytesOfEndless) {
             return TooLarge("the request of a stream without end", "64 KiB");
           }
           return start(call, *request, writer);

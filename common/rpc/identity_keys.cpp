@@ -18,7 +18,7 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr std::size_t kLargestKeyFile = 64 * 1024;
+constexpr std::size_t kMaxKeyFile = 64 * 1024;
 constexpr std::size_t kSignatureBytes = 64;
 
 using Key = std::unique_ptr<EVP_PKEY, FreedBy<EVP_PKEY_free>>;
@@ -59,7 +59,7 @@ class Ed25519Key : public IdentityKey {
 template <class Read>
 absl::StatusOr<std::shared_ptr<const IdentityKey>> ReadKey(const std::filesystem::path& path,
                                                            const char* what, Read read) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string pem, ReadFile(path, kLargestKeyFile));
+  MORTISE_ASSIGN_OR_RETURN(const std::string pem, ReadFile(path, kMaxKeyFile));
   Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
   Key key(read(bio.get(), nullptr, nullptr, nullptr));
   if (!key || EVP_PKEY_id(key.get()) != EVP_PKEY_ED25519) {

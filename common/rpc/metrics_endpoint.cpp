@@ -24,8 +24,8 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 
 constexpr std::chrono::seconds kPatience{10};
-constexpr std::size_t kLongestRequest = 8192;
-constexpr int kMostConnectionsHere = 64;
+constexpr std::size_t kMaxRequest = 8192;
+constexpr int kMaxConnectionsHere = 64;
 
 http::response<http::string_body> Answer(const http::request<http::empty_body>& request,
                                          const std::shared_ptr<prometheus::Registry>& registry) {
@@ -47,7 +47,7 @@ http::response<http::string_body> Answer(const http::request<http::empty_body>& 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, std::shared_ptr<prometheus::Registry> registry)
-      : stream_(std::move(socket)), registry_(std::move(registry)), buffer_(kLongestRequest) {}
+      : stream_(std::move(socket)), registry_(std::move(registry)), buffer_(kMaxRequest) {}
 
   void Begin() {
     stream_.expires_after(kPatience);
@@ -88,7 +88,7 @@ class BeastEndpoint : public MetricsEndpoint {
   absl::Status Begin(const std::string& address) {
     AcceptorOptions acceptor;
     acceptor.listen = address;
-    acceptor.most_connections = kMostConnectionsHere;
+    acceptor.most_connections = kMaxConnectionsHere;
     acceptor.silence = absl::FromChrono(kPatience);
     acceptor.take = [this](int descriptor) {
       asio::post(context_, [this, descriptor] { Serve(descriptor); });

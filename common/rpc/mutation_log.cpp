@@ -24,7 +24,7 @@ using google::protobuf::Message;
 constexpr char kAnswers[] = "rpc.answers";  // request's digest, then the serialised response
 constexpr char kAudit[] = "rpc.audit";      // mortise.v1.AuditRecord
 constexpr std::size_t kDigestLength = 64;
-constexpr std::size_t kLongestRequestId = 128;
+constexpr std::size_t kMaxRequestIdLength = 128;
 
 // The value of a singular string field; empty if there is no such field.
 std::string StringField(const Message& message, const char* name) {
@@ -63,7 +63,7 @@ absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call, const Message
                         "must be set: a unique text chosen by the caller, repeated "
                         "when the call is repeated");
   }
-  if (key.request_id.size() > kLongestRequestId ||
+  if (key.request_id.size() > kMaxRequestIdLength ||
       !std::all_of(key.request_id.begin(), key.request_id.end(),
                    [](char c) { return c > ' ' && c < 127; })) {
     return InvalidField("request_id", "must be at most 128 printable ASCII characters");

@@ -21,10 +21,10 @@ constexpr char kResource[] = "resource";
 // A failure travels in HTTP/2 headers: its message percent-encoded, and once more in the details,
 // base64. Clients accept 8 KiB of headers in all; a connection on which more came is of no use to
 // other calls either. So long texts are cut off, and of many fields only the first are named.
-constexpr std::size_t kLongestMessage = 1500;
-constexpr std::size_t kLongestMessageOfSeveral = 700;  // leaves room for the violations
-constexpr std::size_t kLongestField = 300;
-constexpr std::size_t kLongestReason = 100;
+constexpr std::size_t kMaxMessageLength = 1500;
+constexpr std::size_t kMaxMessageOfSeveralLength = 700;  // leaves room for the violations
+constexpr std::size_t kMaxFieldLength = 300;
+constexpr std::size_t kMaxReasonLength = 100;
 constexpr std::size_t kAllViolations = 3600;
 
 // The length of the valid UTF-8 sequence at the start of `text`; 0 if there is none.
@@ -74,8 +74,8 @@ google::rpc::BadRequest ToBadRequest(const absl::Status& status, const ErrorDeta
   std::size_t length = 0;
   for (const FieldViolation& from : violations) {
     google::rpc::BadRequest::FieldViolation violation;
-    violation.set_field(Printable(from.field, kLongestField));
-    violation.set_description(Printable(from.message, kLongestMessage));
+    violation.set_field(Printable(from.field, kMaxFieldLength));
+    violation.set_description(Printable(from.message, kMaxMessageLength));
     length += violation.ByteSizeLong() + 4;
     if (length > kAllViolations) break;
     *bad_request.add_field_violations() = std::move(violation);
@@ -94,16 +94,16 @@ google::rpc::Status ToProto(const absl::Status& status) {
   proto.set_code(static_cast<int>(WireCode(status.code())));
   const bool several = !ViolationsOf(status).empty();
   proto.set_message(Printable(StandardView(status.message()),
-                              several ? kLongestMessageOfSeveral : kLongestMessage));
+                              several ? kMaxMessageOfSeveralLength : kMaxMessageLength));
   const ErrorDetail detail = DetailOf(status);
   if (detail.reason.empty() && detail.field.empty()) return proto;
 
   const bool names_field = status.code() == absl::StatusCode::kInvalidArgument;
   google::rpc::ErrorInfo info;
-  info.set_reason(Printable(detail.reason, kLongestReason));
+  info.set_reason(Printable(detail.reason, kMaxReasonLength));
   info.set_domain(kDomain);
   if (!names_field && !detail.field.empty()) {
-    (*info.mutable_metadata())[kResource] = Printable(detail.field, kLongestField);
+    (*info.mutable_metadata())[kResource] = Printable(detail.field, kMaxFieldLength);
   }
   proto.add_details()->PackFrom(info);
   if (names_field && !detail.field.empty()) {

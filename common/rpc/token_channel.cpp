@@ -15,7 +15,7 @@
 namespace mortise::rpc {
 namespace {
 
-constexpr int64_t kLongestToken = 65536;  // bytes
+constexpr int64_t kMaxTokenLength = 65536;  // bytes
 
 class TokenFile : public grpc::MetadataCredentialsPlugin {
  public:
@@ -25,7 +25,7 @@ class TokenFile : public grpc::MetadataCredentialsPlugin {
 
   grpc::Status GetMetadata(grpc::string_ref, grpc::string_ref, const grpc::AuthContext&,
                            std::multimap<std::string, std::string>* metadata) override {
-    const absl::StatusOr<std::string> text = ReadFile(path_, kLongestToken);
+    const absl::StatusOr<std::string> text = ReadFile(path_, kMaxTokenLength);
     if (!text.ok()) {
       return {grpc::StatusCode::UNAVAILABLE,
               absl::StrCat("the token in ", path_.string(),

@@ -10,7 +10,7 @@
 namespace mortise::store {
 namespace {
 
-constexpr int kLargestRead = 100000;
+constexpr int kMaxRead = 100000;
 
 // Columns: number, epoch, time, type, subject, payload, trace_id.
 NumberedEvent EventOf(SqlRow& row) {
@@ -52,7 +52,7 @@ absl::Status EventTable::Append(const NewEvent& event, absl::Time now) {
 }
 
 absl::StatusOr<std::vector<NumberedEvent>> EventTable::Read(int64_t after_number, int limit) {
-  MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit, kLargestRead));
+  MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit, kMaxRead));
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult result,
       connection_->Run("SELECT number, epoch, time, type, subject, payload, trace_id FROM events"
@@ -82,7 +82,7 @@ absl::StatusOr<int64_t> EventTable::BeginEpoch(absl::Time now) {
 }
 
 absl::StatusOr<std::vector<NumberedEvent>> EventTable::Number(int64_t epoch, int limit) {
-  MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit, kLargestRead));
+  MORTISE_RETURN_IF_ERROR(CheckLimit("limit", limit, kMaxRead));
   MORTISE_ASSIGN_OR_RETURN(
       SqlResult stream,
       connection_->Run("SELECT epoch, latest_number FROM event_stream FOR UPDATE"));

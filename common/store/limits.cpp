@@ -9,8 +9,8 @@
 namespace mortise::store {
 namespace {
 
-constexpr std::size_t kLongestName = 1024;
-constexpr std::size_t kLargestPayload = std::size_t{64} << 20;
+constexpr std::size_t kMaxNameLength = 1024;
+constexpr std::size_t kMaxPayload = std::size_t{64} << 20;
 constexpr uint32_t kLastCodePoint = 0x10FFFF;  // reserved: bounds the keys of a prefix from above
 
 // The number of bytes of the character that starts with `lead`; 0 if none does.
@@ -43,8 +43,8 @@ bool StartsWithCharacter(std::string_view text, std::size_t* length) {
 }  // namespace
 
 absl::Status CheckName(std::string_view field, std::string_view name) {
-  if (name.size() > kLongestName) {
-    return InvalidField(field, absl::StrCat("is longer than ", kLongestName, " bytes"));
+  if (name.size() > kMaxNameLength) {
+    return InvalidField(field, absl::StrCat("is longer than ", kMaxNameLength, " bytes"));
   }
   for (std::size_t at = 0, length = 0; at < name.size(); at += length) {
     if (!StartsWithCharacter(name.substr(at), &length)) {
@@ -60,7 +60,7 @@ absl::Status CheckRequiredName(std::string_view field, std::string_view name) {
 }
 
 absl::Status CheckPayload(std::string_view field, std::string_view payload) {
-  if (payload.size() > kLargestPayload) return TooLarge(field, "64 MiB");
+  if (payload.size() > kMaxPayload) return TooLarge(field, "64 MiB");
   return absl::OkStatus();
 }
 

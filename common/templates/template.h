@@ -2,8 +2,9 @@
 // that parametrises itself (thesis §3), a list of features (§6.1) or a mesh in a cage (§7.6.2).
 //
 //   MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<const Template> wrench, Compile(bundle));
-//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, Complete(wrench->parameters(), {{"length", 0.2}}));
-//   MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, wrench->Evaluate(q));
+//   MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q, CompleteParameters(wrench->parameters(),
+//   {{"length", 0.2}})); MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
+//   wrench->Evaluate(q));
 #pragma once
 
 #include <Eigen/Core>

@@ -32,7 +32,7 @@ namespace {
 using Compiled = absl::StatusOr<std::shared_ptr<const Template>>;
 
 constexpr std::size_t kFilledHandles = 12;
-constexpr std::size_t kMostTriedEnds = 6;  // parameters; twice as many designs
+constexpr std::size_t kMaxTriedEnds = 6;  // parameters; twice as many designs
 constexpr int kTriedCorners = 12;
 
 // How assemblies are parametrised, and who waits for that.
@@ -315,7 +315,7 @@ void TryAll(const Template& compiled, const std::string& kind,
   const Eigen::VectorXd defaults =
       parametric::RoundToSteps(parameters, parametric::Defaults(parameters));
   if (!Try(compiled, defaults, kind, "at the defaults", findings) || kind != "cad") return;
-  if (parameters.size() <= kMostTriedEnds) {
+  if (parameters.size() <= kMaxTriedEnds) {
     TryEnds(compiled, kind, is_given_up, findings);
   } else {
     TryCorners(compiled, kind, is_given_up, findings);

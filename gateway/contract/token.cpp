@@ -36,7 +36,7 @@ using EcdsaSignature = std::unique_ptr<ECDSA_SIG, FreedBy<ECDSA_SIG_free>>;
 using Bio = std::unique_ptr<BIO, FreedBy<BIO_free>>;
 
 constexpr std::size_t kMaximalTokenBytes = 16 * 1024;
-constexpr std::size_t kLongestName = 64;      // of a caller's that is told back
+constexpr std::size_t kMaxNameLength = 64;    // of a caller's that is told back
 constexpr double kLatestTime = 253402300799;  // the end of the year 9999
 
 const unsigned char* Bytes(std::string_view text) {
@@ -172,7 +172,7 @@ absl::StatusOr<Json> ParseObject(std::string_view text, const std::string& part)
   if (!object.is_object()) return IdentityInvalid("the token's " + part + " is not a JSON object");
   if (twice.empty()) return object;
   return IdentityInvalid(
-      absl::StrCat("the token's ", part, " has '", twice.substr(0, kLongestName), "' twice"));
+      absl::StrCat("the token's ", part, " has '", twice.substr(0, kMaxNameLength), "' twice"));
 }
 
 // Seconds since 1970, whole or not (RFC 7519, NumericDate).
@@ -354,7 +354,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
     return IdentityInvalid(absl::StrCat(
         algorithm.empty() ? "the token names no algorithm (alg)"
                           : absl::StrCat("the token's algorithm '",
-                                         algorithm.substr(0, kLongestName), "' is not accepted"),
+                                         algorithm.substr(0, kMaxNameLength), "' is not accepted"),
         "; RS256, ES256 and EdDSA are"));
   }
   const std::string key_id = StringMember(header, "kid");

@@ -39,23 +39,23 @@ class WithoutReflectionPlugin final : public grpc::ServerBuilderOption {
 
 // Memory that the connections of all clients may take for what has not been passed on yet: when it
 // runs short, gRPC takes less from each, and ends some that are idle.
-constexpr std::size_t kMostBytesUnderWay = 512 << 20;
+constexpr std::size_t kMaxBytesUnderWay = 512 << 20;
 
 // Tokens may be long, and what is too much is refused with words by the proxy.
-constexpr int kMostMetadataBytes = 64 * 1024;
+constexpr int kMaxMetadataBytes = 64 * 1024;
 
 // A client whose connection is closed because it made no calls makes a new one for the next.
 constexpr int kIdleMilliseconds = 10 * 60 * 1000;
 
 void SetArguments(grpc::ServerBuilder& builder) {
-  rpc::SetServerLimits(builder, kMostMetadataBytes);
+  rpc::SetServerLimits(builder, kMaxMetadataBytes);
   builder.SetOption(std::make_unique<WithoutReflectionPlugin>());
   // Nor gRPC's own health service, which would take its calls from the proxy.
   builder.SetOption(std::make_unique<grpc::HealthCheckServiceServerBuilderOption>(nullptr));
   // The proxy expands what is compressed with gzip; gRPC itself, nothing (rpc::SetServerLimits).
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, true);
   grpc::ResourceQuota memory("grpc-door");
-  memory.Resize(kMostBytesUnderWay);
+  memory.Resize(kMaxBytesUnderWay);
   builder.SetResourceQuota(memory);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
   SetFlowControl(

@@ -31,7 +31,7 @@ absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
       return resources::NotAPageToken();
     }
     const auto skip = entry[1].get<int64_t>();
-    if (skip < 0 || skip >= resources::kLargestPageSize) return resources::NotAPageToken();
+    if (skip < 0 || skip >= resources::kMaxPageSize) return resources::NotAPageToken();
     position[name] = {entry[0].get<std::string>(), static_cast<int>(skip),
                       entry[2].get<std::string>()};
   }

@@ -58,7 +58,7 @@ absl::StatusOr<SourceRead<Item>> ReadSource(const std::string& name, const Sourc
                                             const Identify& identify) {
   SourceRead<Item> read{name, {}, position};
   // Sources bound their pages as this list does; what they cannot give makes this page shorter.
-  const int asked = std::min(page_size + position.skip, resources::kLargestPageSize);
+  const int asked = std::min(page_size + position.skip, resources::kMaxPageSize);
   MORTISE_ASSIGN_OR_RETURN(read.page, fetch(name, asked, position.token));
   if (position.last.empty()) return read;
   const auto& items = read.page.items;

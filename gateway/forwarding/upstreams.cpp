@@ -15,9 +15,9 @@
 namespace mortise::gateway {
 namespace {
 
-// Open at a time on one connection: less than a service takes (rpc::kMostStreamsOfConnection), for
+// Open at a time on one connection: less than a service takes (rpc::kMaxStreamsOfConnection), for
 // a call that is over here may not be there yet.
-constexpr int kUsualCalls = rpc::kMostStreamsOfConnection * 4 / 5;
+constexpr int kUsualCalls = rpc::kMaxStreamsOfConnection * 4 / 5;
 
 grpc::ChannelArguments Arguments() {
   grpc::ChannelArguments arguments;

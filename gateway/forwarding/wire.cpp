@@ -58,7 +58,7 @@ void PassedMetadata::Add(std::string_view key, std::string_view value) {
 }
 
 absl::Status PassedMetadata::Check(std::string_view what) const {
-  if (bytes_ <= kMostMetadataBytes) return absl::OkStatus();
+  if (bytes_ <= kMaxMetadataBytes) return absl::OkStatus();
   std::vector<std::pair<std::size_t, std::string>> largest;
   for (const auto& [key, size] : by_key_) largest.emplace_back(size, key.substr(0, 64));
   std::sort(largest.rbegin(), largest.rend());
@@ -70,7 +70,7 @@ absl::Status PassedMetadata::Check(std::string_view what) const {
   const std::string words(what);
   return WithDetail(absl::ResourceExhaustedError(absl::StrCat(
                         "the ", words, " to be passed on have ", bytes_, " bytes, at most ",
-                        kMostMetadataBytes, " are taken; the largest: ", names)),
+                        kMaxMetadataBytes, " are taken; the largest: ", names)),
                     {"METADATA_TOO_LARGE", words});
 }
 

@@ -26,13 +26,13 @@ bool IsLegalMetadata(std::string_view key, std::string_view value);
 
 // How much of a caller's metadata is passed on, counted as HTTP/2 does: names, values and 32 bytes
 // for each. A service takes 16 KiB, of which the identity and the transport need some.
-inline constexpr std::size_t kMostMetadataBytes = 8 * 1024;
+inline constexpr std::size_t kMaxMetadataBytes = 8 * 1024;
 
 class PassedMetadata {
  public:
   void Add(std::string_view key, std::string_view value);
 
-  // RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if there is more than kMostMetadataBytes; names the
+  // RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if there is more than kMaxMetadataBytes; names the
   // largest. `what` is what the caller calls them: "metadata", "headers".
   absl::Status Check(std::string_view what) const;
 

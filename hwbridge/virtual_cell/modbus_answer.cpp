@@ -11,9 +11,9 @@ constexpr std::uint8_t kReadInputRegisters = 4;
 constexpr std::uint8_t kWriteRegister = 6;
 constexpr std::uint8_t kWriteRegisters = 16;
 
-constexpr int kMostBitsRead = 2000;
-constexpr int kMostRegistersRead = 125;
-constexpr int kMostRegistersWritten = 123;
+constexpr int kMaxBitsRead = 2000;
+constexpr int kMaxRegistersRead = 125;
+constexpr int kMaxRegistersWritten = 123;
 constexpr std::size_t kShortRequest = 5;  // function, address, count or value
 
 int Word(std::span<const std::uint8_t> bytes, std::size_t at) {
@@ -39,7 +39,7 @@ std::vector<std::uint8_t> Read(std::span<const std::uint8_t> request, const Mach
   }
   const int address = Word(request, 1);
   const int count = Word(request, 3);
-  if (count < 1 || count > (bits ? kMostBitsRead : kMostRegistersRead)) {
+  if (count < 1 || count > (bits ? kMaxBitsRead : kMaxRegistersRead)) {
     return ExceptionAnswer(function, ModbusException::kIllegalValue);
   }
   const auto first = static_cast<std::size_t>(address);
@@ -68,7 +68,7 @@ std::vector<std::uint8_t> Write(std::span<const std::uint8_t> request, Machine& 
     const int count = Word(request, 3);
     const auto bytes = static_cast<std::size_t>(2 * count);
     const std::size_t begin = kShortRequest + 1;
-    if (count < 1 || count > kMostRegistersWritten || request[kShortRequest] != bytes ||
+    if (count < 1 || count > kMaxRegistersWritten || request[kShortRequest] != bytes ||
         request.size() != begin + bytes) {
       return ExceptionAnswer(function, ModbusException::kIllegalValue);
     }

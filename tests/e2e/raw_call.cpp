@@ -9,7 +9,7 @@
 namespace mortise::e2e {
 namespace {
 
-constexpr std::size_t kMostMessages = 10;
+constexpr std::size_t kMaxMessages = 10;
 constexpr std::chrono::seconds kDeadline(10);
 
 std::string Bytes(const grpc::ByteBuffer& buffer) {
@@ -48,7 +48,7 @@ RawAnswer CallWithBytes(const std::shared_ptr<grpc::Channel>& channel, const std
       grpc::ByteBuffer buffer;
       call->Read(&buffer, nullptr);
       if (!Done(queue)) break;
-      if (answer.messages.size() < kMostMessages) answer.messages.push_back(Bytes(buffer));
+      if (answer.messages.size() < kMaxMessages) answer.messages.push_back(Bytes(buffer));
     }
   }
   call->Finish(&answer.status, nullptr);

@@ -8,8 +8,8 @@
 namespace mortise::testing {
 namespace {
 
-constexpr std::size_t kLongestBlock = 300;
-constexpr std::size_t kMostLines = 20;
+constexpr std::size_t kMaxBlock = 300;
+constexpr std::size_t kMaxLines = 20;
 
 std::size_t Below(std::size_t limit, std::mt19937& random) { return random() % limit; }
 
@@ -41,7 +41,7 @@ std::string WithDamagedLines(const std::string& file, Damage damage, std::mt1993
     const std::string line = lines[first];
     lines.insert(at(first), line);
   } else {
-    const std::size_t count = damage == Damage::kLostLine ? 1 : 1 + Below(kMostLines, random);
+    const std::size_t count = damage == Damage::kLostLine ? 1 : 1 + Below(kMaxLines, random);
     lines.erase(at(first), at(std::min(first + count, lines.size())));
   }
   return JoinLines(lines);
@@ -49,7 +49,7 @@ std::string WithDamagedLines(const std::string& file, Damage damage, std::mt1993
 
 std::string WithDamagedBytes(std::string file, Damage damage, std::mt19937& random) {
   const std::size_t at = Below(file.size(), random);
-  const std::size_t length = 1 + Below(std::min(kLongestBlock, file.size() - at), random);
+  const std::size_t length = 1 + Below(std::min(kMaxBlock, file.size() - at), random);
   switch (damage) {
     case Damage::kCutOff:
       file.resize(at);

@@ -27,7 +27,7 @@ namespace {
 using namespace mortise;
 
 constexpr int kColumns = 5;
-constexpr int kMostTries = 1000;  // random parameters of one template
+constexpr int kMaxTries = 1000;  // random parameters of one template
 
 struct Request {
   std::string folder;
@@ -98,7 +98,7 @@ absl::Status AddRandomDesigns(const templates::Template& function, const Request
   int tried = 0, made = 0;
   std::chrono::duration<double, std::milli> spent{};
   std::string refusal;
-  while (made < request.random && tried < kMostTries) {
+  while (made < request.random && tried < kMaxTries) {
     ++tried;
     Eigen::VectorXd q = parametric::Defaults(function.parameters());
     for (Eigen::Index i = 0; i < q.size(); ++i) {

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kMaxRepeat = 1000;
 // Of the drawn size, what a part without an item may measure.
-constexpr double kLeastGrowth = 0.5;
-constexpr double kMostGrowth = 2;
+constexpr double kMinGrowth = 0.5;
+constexpr double kMaxGrowth = 2;
 
 // Which axis of the design each of the item's three lies along; nothing, and a finding, if two
 // would lie along one.
@@ -62,7 +62,7 @@ void ApplyDrawnSize(const Eigen::Vector3d& size, AssemblyPart& part) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double drawn = size[static_cast<Eigen::Index>(axis)];
     part.limits[axis] = part.connecting ? SizeLimits{drawn, drawn}
-                                        : SizeLimits{kLeastGrowth * drawn, kMostGrowth * drawn};
+                                        : SizeLimits{kMinGrowth * drawn, kMaxGrowth * drawn};
   }
 }
 

@@ -13,8 +13,8 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kDependent = 1e-8;    // length of what is left of a unit row among others
-constexpr double kLeastWeight = 1e-2;  // of the further edge, however near the nearer one is
+constexpr double kDependent = 1e-8;  // length of what is left of a unit row among others
+constexpr double kMinWeight = 1e-2;  // of the further edge, however near the nearer one is
 
 class ConnectionRelationships {
  public:
@@ -351,8 +351,7 @@ class ConnectionRelationships {
     std::array<double, 2> drawn = {margins[0].At(drawn_), margins[1].At(drawn_)};
     const double both = std::abs(drawn[0]) + std::abs(drawn[1]);
     const auto distance = [&](std::size_t side) {
-      return both <= connection_.tolerance ? 1
-                                           : std::max(std::abs(drawn[side]), kLeastWeight * both);
+      return both <= connection_.tolerance ? 1 : std::max(std::abs(drawn[side]), kMinWeight * both);
     };
     const double nearer = std::min(distance(0), distance(1));
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {

@@ -59,10 +59,10 @@ void CheckBox(const std::string& place, const BoundingBox& box, Findings& findin
   if (!box.minimum.allFinite() || !box.maximum.allFinite()) {
     findings.push_back({place + ".box", "must be finite"});
   } else if (std::max(box.minimum.cwiseAbs().maxCoeff(), box.maximum.cwiseAbs().maxCoeff()) >
-             kFurthestFromOrigin) {
-    findings.push_back({place + ".box",
-                        absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
-  } else if ((box.size().array() < kSmallestPart - kLimitTolerance).any()) {
+             kMaxFromOrigin) {
+    findings.push_back(
+        {place + ".box", absl::StrCat("must lie within ", kMaxFromOrigin, " m of the origin")});
+  } else if ((box.size().array() < kMinPart - kLimitTolerance).any()) {
     findings.push_back({place + ".box", "must measure at least 1 µm along each axis"});
   }
 }
@@ -95,9 +95,9 @@ void CheckPlanes(const std::string& place, const AssemblyPart& part, Findings& f
     const auto axis = static_cast<Eigen::Index>(plane.axis);
     const double outside =
         std::max(part.box.minimum[axis] - plane.position, plane.position - part.box.maximum[axis]);
-    if (!(std::abs(plane.position) <= kFurthestFromOrigin)) {
+    if (!(std::abs(plane.position) <= kMaxFromOrigin)) {
       findings.push_back(
-          {field, absl::StrCat("must lie within ", kFurthestFromOrigin, " m of the origin")});
+          {field, absl::StrCat("must lie within ", kMaxFromOrigin, " m of the origin")});
     } else if (outside > furthest) {
       findings.push_back(
           {field, absl::StrCat("lies ", outside, " m outside the part's box, which is ",
@@ -162,11 +162,11 @@ bool HasParts(const Assembly& assembly, int group) {
 std::pair<double, double> FurthestLimits(JointKind kind) {
   switch (kind) {
     case JointKind::kPrismatic:
-      return {-kFurthestFromOrigin, kFurthestFromOrigin};
+      return {-kMaxFromOrigin, kMaxFromOrigin};
     case JointKind::kBall:
       return {0, kHalfTurn};
     default:
-      return {-kFurthestTurn, kFurthestTurn};
+      return {-kMaxTurn, kMaxTurn};
   }
 }
 
@@ -197,9 +197,9 @@ void CheckJoints(const Assembly& assembly, bool groups_fault_free, Findings& fin
     } else if (!moved.insert(joint.group).second) {
       findings.push_back({place + ".group", "another joint moves this group already"});
     }
-    if (!(joint.center.array().abs() <= kFurthestFromOrigin).all()) {
-      findings.push_back({place + ".center", absl::StrCat("must lie within ", kFurthestFromOrigin,
-                                                          " m of the origin")});
+    if (!(joint.center.array().abs() <= kMaxFromOrigin).all()) {
+      findings.push_back({place + ".center",
+                          absl::StrCat("must lie within ", kMaxFromOrigin, " m of the origin")});
     }
     const bool axis_usable = std::abs(joint.axis.norm() - 1) <= kUnitTolerance;
     if (!axis_usable) findings.push_back({place + ".axis", "must be a unit vector"});

@@ -16,13 +16,13 @@
 namespace mortise::parametric {
 
 // Assemblies, and designs made of them, lie within this distance of the origin along every axis, m.
-inline constexpr double kFurthestFromOrigin = 10e3;
+inline constexpr double kMaxFromOrigin = 10e3;
 
 // Parts are at least as large along every axis, m.
-inline constexpr double kSmallestPart = 1e-6;
+inline constexpr double kMinPart = 1e-6;
 
 // Joints turn no further either way, rad: sixteen turns.
-inline constexpr double kFurthestTurn = 100;
+inline constexpr double kMaxTurn = 100;
 
 // The largest angle that a ball turns by, rad: half a turn as people write it.
 inline constexpr double kHalfTurn = 3.1416;

@@ -5,7 +5,7 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kWidestPlay = 2;  // a bore against what lies in it
+constexpr double kMaxPlay = 2;  // a bore against what lies in it
 
 // A box of a shape, given from the middle of its own, as drawn in the design.
 BoundingBox BoxOf(const AssemblyPart& part, const Eigen::Vector3d& middle,
@@ -50,7 +50,7 @@ std::vector<BoundingBox> PinsOf(const AssemblyPart& part, int axis, ShapeFeature
   return pins;
 }
 
-bool Fills(double size, double bore) { return kWidestPlay * size >= bore; }
+bool Fills(double size, double bore) { return kMaxPlay * size >= bore; }
 
 bool LiesIn(const BoundingBox& inner, const Bore& bore, double near) {
   for (int axis = 0; axis < 3; ++axis) {

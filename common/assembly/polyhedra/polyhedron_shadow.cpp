@@ -25,8 +25,8 @@ constexpr double kNegligible = 1e-12;  // of a unit row: rounding
 constexpr double kSame = 1e-7;         // between unit rows, and of a ray that reaches its corner
 constexpr int kRaysPerForm = 8;
 constexpr int kCornersInside = 64;  // in a row: then there are enough faces
-constexpr std::size_t kMostFaces = 4000;
-constexpr int kMostShots = 20'000;  // at corners; rounding may leave one outside for ever
+constexpr std::size_t kMaxFaces = 4000;
+constexpr int kMaxShots = 20'000;  // at corners; rounding may leave one outside for ever
 
 absl::Status Unbounded() {
   return PreconditionFailed("POLYHEDRON_UNBOUNDED", "a form can be as large as one likes");
@@ -45,8 +45,8 @@ class RayShooting {
       MORTISE_RETURN_IF_ERROR(Shoot(RandomDirection()).status());
     }
     int inside = 0;
-    for (int shots = 0; inside < kCornersInside && faces_.size() < kMostFaces; ++shots) {
-      if (shots == kMostShots) break;
+    for (int shots = 0; inside < kCornersInside && faces_.size() < kMaxFaces; ++shots) {
+      if (shots == kMaxShots) break;
       MORTISE_ASSIGN_OR_RETURN(const VectorXd corner, RandomCorner());
       MORTISE_ASSIGN_OR_RETURN(const double reach, Shoot(corner - middle_));
       inside = reach >= 1 - kSame ? inside + 1 : 0;

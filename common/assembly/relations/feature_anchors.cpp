@@ -18,8 +18,8 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kLeastShare = 0.5;    // of what lies between held levels, as drawn
-constexpr double kDeepestAlone = 0.5;  // a blind bore with nothing in it against its element
+constexpr double kMinShare = 0.5;  // of what lies between held levels, as drawn
+constexpr double kMaxAlone = 0.5;  // a blind bore with nothing in it against its element
 constexpr int kAll = std::numeric_limits<int>::max();
 
 // Holds the levels of one element along one axis.
@@ -114,7 +114,7 @@ class LevelHolder {
         const double bottom = (upper ? bore.box.minimum : bore.box.maximum)[Index()];
         const std::optional<double> fraction = along_.DividingAt(bottom);
         if (!fraction || std::abs(mouth - begin.at) > along_.tolerance() || IsInSpan(bottom) ||
-            std::abs(bottom - begin.at) > kDeepestAlone * along_.size()) {
+            std::abs(bottom - begin.at) > kMaxAlone * along_.size()) {
           continue;
         }
         Add(bottom, along_.AtDrawnDistance(along_.index(), begin, bottom));
@@ -196,7 +196,7 @@ class LevelHolder {
       const FeatureAnchor& low = ends[i];
       const FeatureAnchor& high = ends[i + 1];
       if (IsSpan(low.fraction, high.fraction)) continue;
-      const double share = kLeastShare * (high.fraction - low.fraction);
+      const double share = kMinShare * (high.fraction - low.fraction);
       const bool is_tenon = (i == 0 && ends_.count(high.fraction) != 0) ||
                             (i + 2 == ends.size() && ends_.count(low.fraction) != 0);
       LinearForm form = low.place - high.place;

@@ -8,7 +8,7 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr double kWidestAlone = 0.5;  // a bore with nothing in it against its element
+constexpr double kMaxAlone = 0.5;  // a bore with nothing in it against its element
 
 class FitSpanSearch {
  public:
@@ -70,7 +70,7 @@ class FitSpanSearch {
   bool IsSmall(const Bore& bore) const {
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == bore.axis || axis == bore.slot_axis) continue;
-      if (bore.box.size()[axis] > kWidestAlone * along_.part().box.size()[axis]) return false;
+      if (bore.box.size()[axis] > kMaxAlone * along_.part().box.size()[axis]) return false;
     }
     return true;
   }

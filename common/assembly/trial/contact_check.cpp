@@ -104,8 +104,8 @@ absl::Status ContactCheck::CheckParameters(const Eigen::VectorXd& q) const {
   if (q.size() != static_cast<Eigen::Index>(expected) || !q.allFinite()) {
     return InvalidField("q", absl::StrCat("must be ", expected, " finite numbers"));
   }
-  if (q.size() > 0 && q.cwiseAbs().maxCoeff() > kFurthestFromOrigin) {
-    return InvalidField("q", absl::StrCat("must be within ", kFurthestFromOrigin, " m"));
+  if (q.size() > 0 && q.cwiseAbs().maxCoeff() > kMaxFromOrigin) {
+    return InvalidField("q", absl::StrCat("must be within ", kMaxFromOrigin, " m"));
   }
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Eigen::Vector3d size = q.segment<3>(SizeVariable(static_cast<int>(e), Axis::kX));

@@ -51,7 +51,7 @@ class ContactCheck {
   ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6);
 
   // Checks that q can be looked at. INVALID_ARGUMENT, "q", for another number of parameters, for
-  // one that is not finite or beyond kFurthestFromOrigin, for a size that is not positive, and
+  // one that is not finite or beyond kMaxFromOrigin, for a size that is not positive, and
   // where patterns so large would have far more parts than the drawn design.
   absl::Status CheckParameters(const Eigen::VectorXd& q) const;
 

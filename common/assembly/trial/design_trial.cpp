@@ -13,12 +13,12 @@ namespace mortise::parametric {
 namespace {
 
 constexpr int kPartsLookedAt = 4000;
-constexpr int kFewestCorners = 24;
-constexpr int kMostCorners = 250;
+constexpr int kMinCorners = 24;
+constexpr int kMaxCorners = 250;
 constexpr int kFitsLookedAt = 250;  // true shapes take a hundred times as long as boxes
 constexpr int kPartsWithFits = 800;
-constexpr int kFewestOfFits = 8;
-constexpr int kMostOfFits = 60;
+constexpr int kMinOfFits = 8;
+constexpr int kMaxOfFits = 60;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kRigid = 1e-9;  // rows of an orthonormal basis this short say that nothing moves
 
@@ -215,15 +215,14 @@ absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
     return absl::OkStatus();
   };
   if (has_patterns || PosesOf(assembly).size() > 1) {
-    MORTISE_RETURN_IF_ERROR(look_at(
-        {}, CornersFor(kPartsLookedAt, assembly.parts.size(), kFewestCorners, kMostCorners)));
+    MORTISE_RETURN_IF_ERROR(
+        look_at({}, CornersFor(kPartsLookedAt, assembly.parts.size(), kMinCorners, kMaxCorners)));
   }
   // With what is known now the set will be another, and fits may be sound in that.
   if (!fits.empty() && !trial.HasRepairs()) {
     MORTISE_RETURN_IF_ERROR(look_at(
-        fits,
-        std::min(CornersFor(kFitsLookedAt, fits.size(), kFewestOfFits, kMostOfFits),
-                 CornersFor(kPartsWithFits, assembly.parts.size(), kFewestOfFits, kMostOfFits))));
+        fits, std::min(CornersFor(kFitsLookedAt, fits.size(), kMinOfFits, kMaxOfFits),
+                       CornersFor(kPartsWithFits, assembly.parts.size(), kMinOfFits, kMaxOfFits))));
   }
   return trial.TakeRepairPlan();
 }

@@ -11,7 +11,7 @@ namespace mortise::parametric {
 namespace {
 
 constexpr double kParallel = 1e-9;  // cosine of an angle; m, of places that are one
-constexpr std::size_t kMostSteps = 16;
+constexpr std::size_t kMaxSteps = 16;
 
 Eigen::Matrix3Xd VerticesIn(const BoundingBox& box, const mesh::DrawnShape& shape) {
   return (box.size().asDiagonal() * shape.fractions).colwise() + box.center();
@@ -123,7 +123,7 @@ std::vector<MeetingRegion::Step> MeetingRegion::Merged(
       steps.push_back({low, high});
     }
   }
-  if (steps.size() > kMostSteps) steps.clear();
+  if (steps.size() > kMaxSteps) steps.clear();
   return steps;
 }
 

@@ -20,7 +20,7 @@ namespace {
 // which also curves that differ may meet.
 constexpr double kShares[] = {0.1423, 0.4157, 0.7891};
 constexpr std::size_t kShareCount = std::size(kShares);
-constexpr int kMostPieces = 32;  // of a stretch of a face of which no point is found
+constexpr int kMaxPieces = 32;  // of a stretch of a face of which no point is found
 
 // The values at the shares of each of the pieces that each stretch is cut into.
 std::vector<double> ValuesIn(const TColStd_Array1OfReal& stretches, int pieces) {
@@ -85,7 +85,7 @@ std::optional<std::vector<gp_Pnt>> PointsWithin(const TopoDS_Face& face, std::si
   surface.UIntervals(u, GeomAbs_CN);
   surface.VIntervals(v, GeomAbs_CN);
   // Of a narrow face most of the rectangle round it is outside.
-  for (int pieces = 1; pieces <= kMostPieces; pieces *= 2) {
+  for (int pieces = 1; pieces <= kMaxPieces; pieces *= 2) {
     std::vector<gp_Pnt> points =
         PointsInside(face, surface, ValuesIn(u, pieces), ValuesIn(v, pieces));
     if (!points.empty()) return points;

@@ -20,11 +20,11 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kSamePlace = 1e-6;          // of the size
-constexpr double kLeastPlace = 1e-7;         // m
-constexpr std::size_t kMostCorners = 8;      // vertices, and edges, through which planes are tried
-constexpr std::size_t kMostFeatures = 2000;  // of larger solids none is looked for
-constexpr std::size_t kMostPoints = 4000;    // nor if edges and faces bend so often
+constexpr double kSamePlace = 1e-6;         // of the size
+constexpr double kMinPlace = 1e-7;          // m
+constexpr std::size_t kMaxCorners = 8;      // vertices, and edges, through which planes are tried
+constexpr std::size_t kMaxFeatures = 2000;  // of larger solids none is looked for
+constexpr std::size_t kMaxPoints = 4000;    // nor if edges and faces bend so often
 
 // A vertex, edge or face: where its middle is, and how large it is.
 struct Feature {
@@ -125,7 +125,7 @@ bool MapOntoThemselves(const std::vector<Feature>& features, const Eigen::Affine
 
 // Finds points within all edges and faces. False, if these are too many, or none of some face.
 bool TakeSamples(Features& features) {
-  std::size_t left = kMostPoints;
+  std::size_t left = kMaxPoints;
   for (auto* all : {&features.edges, &features.faces}) {
     for (Feature& feature : *all) {
       auto points = feature.shape.ShapeType() == TopAbs_EDGE
@@ -155,10 +155,10 @@ std::vector<Eigen::Vector3d> LikelyNormals(const Features& features) {
   // Of round things, and of such as cubes, the axes of inertia are any, and where their edges begin
   // is not.
   std::vector<Eigen::Vector3d> others = normals;
-  for (std::size_t e = 0; e < std::min(kMostCorners, features.edges.size()); ++e) {
+  for (std::size_t e = 0; e < std::min(kMaxCorners, features.edges.size()); ++e) {
     others.push_back(features.edges[e].middle - features.centre);
   }
-  for (std::size_t v = 0; v < std::min(kMostCorners, features.vertices.size()); ++v) {
+  for (std::size_t v = 0; v < std::min(kMaxCorners, features.vertices.size()); ++v) {
     for (const Eigen::Vector3d& other : others) {
       const Eigen::Vector3d normal = other.cross(features.vertices[v].middle - features.centre);
       if (normal.norm() > kSamePlace * other.norm() * features.reach) {
@@ -198,8 +198,8 @@ TopoDS_Shape DistortedSolid(const TopoDS_Shape& solid, double scale, bool mirror
 
 std::optional<Eigen::Affine3d> OwnMirror(const TopoDS_Shape& solid) {
   Features features = FeaturesOf(solid);
-  if (features.vertices.size() + features.edges.size() > kMostFeatures) return std::nullopt;
-  const double tolerance = std::max(kLeastPlace, kSamePlace * features.reach);
+  if (features.vertices.size() + features.edges.size() > kMaxFeatures) return std::nullopt;
+  const double tolerance = std::max(kMinPlace, kSamePlace * features.reach);
   const std::vector<Eigen::Affine3d> likely = LikelyMirrors(features, tolerance);
   if (likely.empty() || !TakeSamples(features)) return std::nullopt;
   const auto found = std::find_if(likely.begin(), likely.end(), [&](const Eigen::Affine3d& mirror) {

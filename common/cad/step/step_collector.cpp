@@ -314,8 +314,8 @@ class Collector {
   }
 
   void TellOfRough() {
-    constexpr std::size_t kMostTold = 5;
-    const std::size_t told = std::min(kMostTold, rough_.size());
+    constexpr std::size_t kMaxTold = 5;
+    const std::size_t told = std::min(kMaxTold, rough_.size());
     assembly_.notes.insert(assembly_.notes.end(), rough_.begin(),
                            rough_.begin() + static_cast<std::ptrdiff_t>(told));
     if (rough_.size() > told) {

@@ -40,8 +40,8 @@
 namespace mortise::cad {
 namespace {
 
-constexpr std::size_t kMostTold = 20;
-constexpr std::size_t kMostLookedAt = 1000;  // entities above one
+constexpr std::size_t kMaxTold = 20;
+constexpr std::size_t kMaxLookedAt = 1000;  // entities above one
 
 int CountOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
   TopTools_IndexedMapOfShape found;
@@ -192,7 +192,7 @@ class Finder {
   }
 
   void Add(std::string loss) {
-    if (losses_.size() < kMostTold) {
+    if (losses_.size() < kMaxTold) {
       losses_.push_back(std::move(loss));
     } else {
       ++more_;
@@ -215,7 +215,7 @@ class Finder {
   Owner OwnerOf(const Handle(Standard_Transient) & entity) const {
     std::set<const Standard_Transient*> seen = {entity.get()};
     std::vector<Handle(Standard_Transient)> open = {entity};
-    for (std::size_t i = 0; i < open.size() && open.size() < kMostLookedAt; ++i) {
+    for (std::size_t i = 0; i < open.size() && open.size() < kMaxLookedAt; ++i) {
       if (i > 0 && IsTold(open[i])) return {{}, true};
       const auto definition = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(open[i]);
       if (!definition.IsNull()) {

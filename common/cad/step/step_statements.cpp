@@ -12,8 +12,8 @@
 namespace mortise::cad {
 namespace {
 
-constexpr int kMaxDepth = 32;                // lists in lists; the standards' types need four
-constexpr double kLargestCoordinate = 1e12;  // in whatever unit
+constexpr int kMaxDepth = 32;            // lists in lists; the standards' types need four
+constexpr double kMaxCoordinate = 1e12;  // in whatever unit
 // Of any other number. Programs write 2e100 for what has no end.
 constexpr double kLargest = 1e101;
 
@@ -106,7 +106,7 @@ class Reader {
       Tell(token, absl::StrCat(Of(token.text), " is no number"));
     } else if (!std::isfinite(value)) {
       Tell(token, absl::StrCat(Of(token.text), " is no finite number"));
-    } else if (std::abs(value) > (type_ == "CARTESIAN_POINT" ? kLargestCoordinate : kLargest)) {
+    } else if (std::abs(value) > (type_ == "CARTESIAN_POINT" ? kMaxCoordinate : kLargest)) {
       Tell(token, absl::StrCat(Of(token.text), " is larger than anything that is drawn"));
     }
   }

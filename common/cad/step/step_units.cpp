@@ -29,9 +29,9 @@ namespace {
 using BothContexts = StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx;
 using UnitContext = StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext;
 
-constexpr double kMillimetre = 1e-3;     // m
-constexpr double kLeastAccurate = 5e-5;  // m
-constexpr double kSameUnit = 1e-3;       // relative; some take an inch for 25.4000508 mm
+constexpr double kMillimetre = 1e-3;   // m
+constexpr double kMinAccurate = 5e-5;  // m
+constexpr double kSameUnit = 1e-3;     // relative; some take an inch for 25.4000508 mm
 
 // Units by name, m.
 const std::map<std::string, double>& NamedLengths() {
@@ -115,10 +115,10 @@ std::string LimitUncertainty(const Handle(BothContexts) & context) {
     const Handle(StepBasic_UncertaintyMeasureWithUnit) value = uncertainty->UncertaintyValue(i);
     if (value.IsNull() || value->ValueComponentMember().IsNull()) continue;
     const double stated = value->ValueComponent() * unit;
-    if (!(stated > kLeastAccurate)) continue;
-    value->SetValueComponent(kLeastAccurate / unit);
+    if (!(stated > kMinAccurate)) continue;
+    value->SetValueComponent(kMinAccurate / unit);
     note = absl::StrFormat("the file says that it is accurate to %g mm only; %g mm are taken",
-                           stated / kMillimetre, kLeastAccurate / kMillimetre);
+                           stated / kMillimetre, kMinAccurate / kMillimetre);
   }
   return note;
 }

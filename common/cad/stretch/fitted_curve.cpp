@@ -11,7 +11,7 @@ namespace mortise::cad {
 namespace {
 
 constexpr int kDegree = 9;
-constexpr int kMostHalvings = 10;  // of a piece between two breaks
+constexpr int kMaxHalvings = 10;  // of a piece between two breaks
 
 using Poles = Eigen::Matrix<double, kDegree + 1, 2>;
 using Row = Eigen::Matrix<double, 1, kDegree + 1>;
@@ -53,7 +53,7 @@ class Fit {
     Piece piece{to, poles_of_values_ * at};
     piece.poles.row(0) = at.row(0);
     piece.poles.row(kDegree) = at.row(kDegree);
-    if (halvings < kMostHalvings && Misses(piece, from, to)) {
+    if (halvings < kMaxHalvings && Misses(piece, from, to)) {
       Append(from, (from + to) / 2, halvings + 1);
       Append((from + to) / 2, to, halvings + 1);
       return;

@@ -29,11 +29,11 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kDeflection = 5e-4;       // of the diagonal
-constexpr double kAngle = 0.5;             // rad, between neighbouring triangles
-constexpr double kLeastDeflection = 2e-5;  // m
-constexpr double kSameSize = 1e-9;         // m; boxes of curved faces are no more exact
-constexpr double kSameVolume = 1e-6;       // relative
+constexpr double kDeflection = 5e-4;     // of the diagonal
+constexpr double kAngle = 0.5;           // rad, between neighbouring triangles
+constexpr double kMinDeflection = 2e-5;  // m
+constexpr double kSameSize = 1e-9;       // m; boxes of curved faces are no more exact
+constexpr double kSameVolume = 1e-6;     // relative
 const Eigen::Vector3d kTrial(1.25, 1, 1.5);
 
 TopoDS_Shape MovedBy(const TopoDS_Shape& shape, const Eigen::Matrix3d& turn,
@@ -128,9 +128,9 @@ double KeptVolume(const TopoDS_Shape& solid, double volume) {
   return std::abs(plain - volume) <= kSameVolume * volume ? plain : volume;
 }
 
-absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d& rotation,
-                                      const Eigen::Vector3d& minimum,
-                                      const Eigen::Vector3d& maximum) {
+absl::StatusOr<mesh::DrawnShape> DrawShapeOf(const Solid& solid, const Eigen::Matrix3d& rotation,
+                                             const Eigen::Vector3d& minimum,
+                                             const Eigen::Vector3d& maximum) {
   TopoDS_Shape shape = MovedBy(solid.kernel().shape, rotation, -minimum);
   const double volume = AccurateVolume(shape);
   if (volume < 0) shape.Reverse();
@@ -142,7 +142,7 @@ absl::StatusOr<mesh::DrawnShape> Draw(const Solid& solid, const Eigen::Matrix3d&
   SurfaceOptions options;
   options.relative_deflection = 0;
   options.angle = kAngle;
-  options.deflection = std::max(kLeastDeflection, kDeflection * (maximum - minimum).norm());
+  options.deflection = std::max(kMinDeflection, kDeflection * (maximum - minimum).norm());
   absl::StatusOr<mesh::AssemblySurface> surface = SurfaceOf(turned, options);
   if (!surface.ok()) return InvalidField("shape", std::string(surface.status().message()));
   MORTISE_ASSIGN_OR_RETURN(
@@ -205,7 +205,7 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
                                               const Eigen::Vector3d& minimum,
                                               const Eigen::Vector3d& maximum) {
   try {
-    return Draw(solid, rotation, minimum, maximum);
+    return DrawShapeOf(solid, rotation, minimum, maximum);
   } catch (const Standard_Failure& failure) {
     return InvalidField("shape",
                         absl::StrCat("the kernel cannot take it: ", failure.GetMessageString()));

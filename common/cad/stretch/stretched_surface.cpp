@@ -35,9 +35,9 @@ namespace {
 constexpr double kSame = 1e-9;      // factors that differ by less, relatively, are one
 constexpr double kParallel = 1e-9;  // sine of an angle
 constexpr double kPi = std::numbers::pi;
-constexpr double kLongestArc = 2 * kPi / 3;  // rad, of one rational arc
-constexpr double kMargin = 0.02;     // of a face's range, that its surface reaches beyond it
-constexpr double kWholeTurn = 1e-6;  // rad, that a face may lack of a turn which closes
+constexpr double kMaxArc = 2 * kPi / 3;  // rad, of one rational arc
+constexpr double kMargin = 0.02;         // of a face's range, that its surface reaches beyond it
+constexpr double kWholeTurn = 1e-6;      // rad, that a face may lack of a turn which closes
 
 // A curve's poles with weights, degree and knots, over which parameters go as `map` says.
 struct RationalCurve {
@@ -55,7 +55,7 @@ Eigen::Vector4d Weighted(const Eigen::Vector3d& place, double weight) {
 // center + x cos t + y sin t for t from one angle to the other.
 RationalCurve Arcs(const Eigen::Vector3d& center, const Eigen::Vector3d& x,
                    const Eigen::Vector3d& y, double from, double to) {
-  const int count = std::max(1, static_cast<int>(std::ceil((to - from) / kLongestArc - kSame)));
+  const int count = std::max(1, static_cast<int>(std::ceil((to - from) / kMaxArc - kSame)));
   const double arc = (to - from) / count, weight = std::cos(arc / 2);
   RationalCurve curve;
   curve.degree = 2;

@@ -41,14 +41,14 @@ namespace {
 // m; faces nearer than this are one. The first is for drawings that are exact; the others are tried
 // in turn on those that are not, so that no more becomes one than must.
 constexpr std::array<double, 5> kFuseTolerances = {1e-6, 2e-6, 1e-5, 3e-5, kDrawingTolerance};
-constexpr double kAngle = 0.5;        // rad, between neighbouring triangles of a curved face
-constexpr double kLeastChord = 2e-5;  // m
-constexpr double kClear = 0.3;        // of the way between two parts: what triangles may miss
+constexpr double kAngle = 0.5;      // rad, between neighbouring triangles of a curved face
+constexpr double kMinChord = 2e-5;  // m
+constexpr double kClear = 0.3;      // of the way between two parts: what triangles may miss
 constexpr std::size_t kPairsTold = 4;
 // Of the length of edges: what is tried in turn.
 constexpr std::array<double, 3> kShares = {1, 0.6, 0.35};
 constexpr double kSameVolume = 0.01;
-constexpr double kMostTriangles = 100'000;  // four seconds of Gmsh's
+constexpr double kMaxTriangles = 100'000;  // four seconds of Gmsh's
 
 std::string BothNames(const std::vector<FusedPart>& parts, int first, int second) {
   return absl::StrCat("'", parts[static_cast<std::size_t>(first)].name, "' and '",
@@ -101,7 +101,7 @@ std::vector<double> ChordsOf(const std::vector<FusedPart>& parts, const SolidFus
       diagonal =
           std::min(diagonal, parts[static_cast<std::size_t>(face.description.front_part)].diagonal);
     }
-    chords.push_back(std::max(kLeastChord, kChordTolerance * diagonal));
+    chords.push_back(std::max(kMinChord, kChordTolerance * diagonal));
   }
   return chords;
 }
@@ -130,7 +130,7 @@ Fused Refined(SolidFusion fusion, const std::vector<FaceGap>& gaps, std::vector<
   for (const FaceGap& gap : gaps) {
     for (const int face : {gap.first, gap.second}) {
       double& chord = chords[static_cast<std::size_t>(face)];
-      chord = std::min(chord, std::max(kLeastChord, kClear * gap.width));
+      chord = std::min(chord, std::max(kMinChord, kClear * gap.width));
     }
   }
   return Fused{std::move(fusion), std::move(chords)};
@@ -311,7 +311,7 @@ absl::StatusOr<mesh::AssemblySurface> DrawnRound(const std::vector<FusedPart>& p
       const double wanted = EdgeLength(radii[i], element_size);
       lengths.push_back(share * std::min(wanted, std::sqrt(8 * radii[i] * fused.chords[i])));
     }
-    if (EstimateTriangles(surface, lengths) > kMostTriangles) break;
+    if (EstimateTriangles(surface, lengths) > kMaxTriangles) break;
     absl::StatusOr<mesh::AssemblySurface> drawn = DrawnRound(parts, faces, lengths, surface.faces);
     if (drawn.ok() && EncloseTheSame(*drawn, surface)) return drawn;
     if (DetailOf(drawn.status()).reason == kNoGmsh) return drawn.status();

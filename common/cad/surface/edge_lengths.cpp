@@ -14,7 +14,7 @@ namespace mortise::cad {
 namespace {
 
 constexpr double kTurn = 0.5;         // rad, between triangles
-constexpr double kMostTurn = 1;       // rad
+constexpr double kMaxTurn = 1;        // rad
 constexpr double kSmall = 0.25;       // of the size of elements: needed by roundness alone
 constexpr double kLeftOut = 0.05;     // of a face's area: the tip of a cone has no radius
 constexpr double kResolution = 1e-9;  // m, below which a derivative is none
@@ -63,7 +63,7 @@ std::vector<double> LeastRadii(const std::vector<TopoDS_Face>& faces) {
 double EdgeLength(double radius, double element_size) {
   const double small = kSmall * element_size;
   if (radius * kTurn >= small) return std::min(radius * kTurn, element_size);
-  return std::min(radius * kMostTurn, small);
+  return std::min(radius * kMaxTurn, small);
 }
 
 }  // namespace mortise::cad

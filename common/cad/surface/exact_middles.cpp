@@ -13,10 +13,10 @@
 namespace mortise::cad {
 namespace {
 
-constexpr int kMostSteps = 20;
+constexpr int kMaxSteps = 20;
 constexpr double kConverged = 1e-9;  // of a side's length
 constexpr double kOnFace = 1e-2;     // of a side's length: how far what is found may be from a face
-constexpr double kLongestWay = 0.25;  // of a side's length
+constexpr double kMaxWay = 0.25;     // of a side's length
 // Singular value of two normals, below which their faces run into each other without a corner.
 constexpr double kOneTangentPlane = 0.1;
 
@@ -104,7 +104,7 @@ Eigen::Vector3d ExactMiddles::MiddleOf(const Side& side, const Eigen::Matrix3Xd&
     feet.push_back(Foot{&surfaces_[static_cast<std::size_t>(face)], place, {}, {}});
   }
   Eigen::Vector3d found = halfway;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     for (Foot& foot : feet) {
       if (!foot.Approach(found)) return halfway;
     }
@@ -113,7 +113,7 @@ Eigen::Vector3d ExactMiddles::MiddleOf(const Side& side, const Eigen::Matrix3Xd&
     if ((found - before).norm() <= kConverged * length) break;
   }
   const double way = (found - halfway).norm();
-  if (!(way <= kLongestWay * length)) return halfway;
+  if (!(way <= kMaxWay * length)) return halfway;
   for (const Foot& foot : feet) {
     if (!((foot.point - found).norm() <= kOnFace * length)) return halfway;
   }

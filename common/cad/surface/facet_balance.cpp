@@ -28,7 +28,7 @@ constexpr double kAtACorner = 0.5;  // singular value below which a face runs al
 
 constexpr double kTurned = 0.05;  // of a triangle's area: what is left of one that nearly folds
 constexpr int kRounds = 20;
-constexpr int kMostCrossings = 100;
+constexpr int kMaxCrossings = 100;
 
 // The surface's normal, whichever way the face is turned; zero if it has none.
 Eigen::Vector3d NormalAt(const BRepAdaptor_Surface& surface, const gp_XY& place) {
@@ -80,7 +80,7 @@ std::vector<int> BadTriangles(const mesh::AssemblySurface& surface, const Eigen:
     }
   }
   for (const mesh::Intersection& found :
-       mesh::FindIntersections(moved, surface.triangles, kMostCrossings)) {
+       mesh::FindIntersections(moved, surface.triangles, kMaxCrossings)) {
     bad.push_back(found.first);
     bad.push_back(found.second);
   }

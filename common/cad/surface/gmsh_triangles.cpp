@@ -23,9 +23,9 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kOnFace = 1e-6;                     // m: how well a place on a face is sought
-constexpr double kMostMiss = 2 * kDrawingTolerance;  // of what a fuse moved onto another face
-constexpr double kAtAPole = 1e-6;                    // of one derivative to the other
+constexpr double kOnFace = 1e-6;                    // m: how well a place on a face is sought
+constexpr double kMaxMiss = 2 * kDrawingTolerance;  // of what a fuse moved onto another face
+constexpr double kAtAPole = 1e-6;                   // of one derivative to the other
 
 absl::Status GmshFailure(const std::string& how) { return KernelFailure("drawing triangles", how); }
 
@@ -106,7 +106,7 @@ class FaceTriangulation {
       for (std::size_t k = 0; k < 3; ++k) {
         const gp_Pnt drawn = places_.surface().Value(places.back()[k].X(), places.back()[k].Y());
         const Eigen::Vector3d miss = ToEigen(drawn.XYZ()) - PlaceOf(corners(static_cast<int>(k)));
-        if (!(miss.norm() <= kMostMiss)) return GmshFailure("Gmsh's triangles are not on a face");
+        if (!(miss.norm() <= kMaxMiss)) return GmshFailure("Gmsh's triangles are not on a face");
       }
       turned += Facing(corners, places.back());
     }

@@ -14,7 +14,7 @@ namespace mortise::simulator {
 namespace {
 
 // Nearer to incompressible than this, displacement elements lock and answers are worthless.
-constexpr double kLargestPoissonsRatio = 0.4999;
+constexpr double kMaxPoissonsRatio = 0.4999;
 
 // Strain from stress along the material's own axes: the normal ones; shears are apart.
 Eigen::Matrix3d NormalCompliance(const Orthotropy& orthotropy) {
@@ -105,7 +105,7 @@ absl::Status CheckMaterial(const Material& material, const std::string& field) {
   if (!std::isfinite(material.youngs_modulus) || material.youngs_modulus <= 0) {
     return refuse("youngs_modulus", "must be positive");
   }
-  if (!(material.poissons_ratio > -1 && material.poissons_ratio <= kLargestPoissonsRatio)) {
+  if (!(material.poissons_ratio > -1 && material.poissons_ratio <= kMaxPoissonsRatio)) {
     return refuse("poissons_ratio", "must lie above -1 and at most at 0.4999");
   }
   if (!std::isfinite(material.thermal_expansion)) {

@@ -9,7 +9,7 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr int kMostRounds = 60;
+constexpr int kMaxRounds = 60;
 // Rounds in a row in which the error does not halve, after which it will not any more.
 constexpr int kStalled = 4;
 
@@ -49,7 +49,7 @@ absl::StatusOr<Correction> CorrectSolution(const CorrectedSystem& system,
       correction.error = error;
       best = x;
     }
-    if (stalled == kStalled || correction.rounds == kMostRounds) break;
+    if (stalled == kStalled || correction.rounds == kMaxRounds) break;
     if (correction.rounds == 0) {
       direction = step;
     } else {

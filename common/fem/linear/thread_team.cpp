@@ -6,7 +6,7 @@ namespace mortise::simulator {
 namespace {
 
 // Fewer rows than this are not worth waking anybody for.
-constexpr int kSmallestRange = 512;
+constexpr int kMinRange = 512;
 constexpr int kRangesPerThread = 8;
 constexpr int kSummands = 4096;
 
@@ -54,7 +54,7 @@ void ThreadTeam::Run(int count, const std::function<void(int)>& work) {
 }
 
 void ThreadTeam::ForRanges(int count, const std::function<void(int, int)>& work) {
-  const int range = std::max(kSmallestRange, count / (kRangesPerThread * size()) + 1);
+  const int range = std::max(kMinRange, count / (kRangesPerThread * size()) + 1);
   Run((count + range - 1) / range,
       [&](int k) { work(k * range, std::min(count, (k + 1) * range)); });
 }

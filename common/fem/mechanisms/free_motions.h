@@ -34,11 +34,11 @@ struct FreeMotions {
 };
 
 // Motions of one group of bodies that are found, of all that are counted.
-inline constexpr int kMostMotions = 300;
+inline constexpr int kMaxMotions = 300;
 
 // Returns what `constraints` leave free. Every node of the mesh has an element.
 FreeMotions FindFreeMotions(const mesh::TetrahedralMesh& mesh, const Constraints& constraints,
-                            int most = kMostMotions);
+                            int most = kMaxMotions);
 
 // Returns one of them, for people: "part 'leg 3' is free to rotate about z through (20, 0, 0) mm".
 // Of several bodies the fewest that can move by themselves are named.

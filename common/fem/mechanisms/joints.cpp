@@ -12,7 +12,7 @@ namespace {
 
 // In larger and farther meshes than this many sizes of a body its coordinates are less exact.
 constexpr double kCoordinateDigits = 1e-6;
-constexpr double kMostTolerance = 1e-4;
+constexpr double kMaxTolerance = 1e-4;
 
 using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
@@ -101,7 +101,7 @@ class Joiner {
   }
 
   double ToleranceOf(double size) const {
-    return std::clamp(kCoordinateDigits * extent_ / size, kJointTolerance, kMostTolerance);
+    return std::clamp(kCoordinateDigits * extent_ / size, kJointTolerance, kMaxTolerance);
   }
 
   void Measure(int b) {

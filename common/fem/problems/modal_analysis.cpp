@@ -35,7 +35,7 @@ constexpr double kNoMotion = 1e-14;
 // Vectors that are held of each free motion: it, its product with the mass and its shape, which
 // stay, and its displacement or what is left of it while displacements to hold are chosen.
 constexpr double kKeptVectors = 3;
-constexpr double kMostVectors = 4;
+constexpr double kMaxVectors = 4;
 
 // K⁻¹, M and the solutions that are known, on the free displacements in one vector.
 class Vibration {
@@ -259,11 +259,11 @@ double TotalMass(const BlockMatrix& mass, const NodeFrames& frames, ThreadTeam& 
 // Takes what the free motions need of the memory that is left for the factor.
 absl::Status MakeRoom(const FreeMotions& free, Eigen::Index nodes, CholeskyOptions& cholesky) {
   const std::string what = absl::StrCat("a structure with ", free.count, " free motions");
-  if (free.count > kMostMotions) return TooLarge(what, absl::StrCat(kMostMotions, " of them"));
+  if (free.count > kMaxMotions) return TooLarge(what, absl::StrCat(kMaxMotions, " of them"));
   const double bytes = 3.0 * sizeof(double) * static_cast<double>(nodes) * free.count;
-  if (kMostVectors * bytes > cholesky.memory_limit) {
+  if (kMaxVectors * bytes > cholesky.memory_limit) {
     return TooLarge(
-        absl::StrFormat("%s of %d nodes, %.3g GB,", what, nodes, 1e-9 * kMostVectors * bytes),
+        absl::StrFormat("%s of %d nodes, %.3g GB,", what, nodes, 1e-9 * kMaxVectors * bytes),
         absl::StrFormat("%.3g GB", 1e-9 * cholesky.memory_limit));
   }
   cholesky.memory_limit -= kKeptVectors * bytes;

@@ -21,7 +21,7 @@ constexpr int kLinearSamples = 24;
 constexpr int kQuadraticSamples = 40;
 
 // Pivots of a fit smaller than this, next to the largest, do not determine it.
-constexpr double kLeastPivot = 1e-7;
+constexpr double kMinPivot = 1e-7;
 
 using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kQuadraticTerms, 1>;
 using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kQuadraticTerms, 6>;
@@ -91,7 +91,7 @@ bool Fit(const std::vector<int>& elements, int points, const Eigen::Matrix3Xd& p
   }
   const Eigen::LDLT<Square> solver(normal);
   const auto pivots = solver.vectorD();
-  if (!(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return false;
+  if (!(pivots.minCoeff() > kMinPivot * pivots.maxCoeff())) return false;
   patch.coefficients = solver.solve(right);
   return true;
 }
@@ -192,7 +192,7 @@ FitEquations EquationsOf(const PatchSamples& samples, const Eigen::Matrix3Xd& pl
     equations.terms = terms;
     equations.solver.compute(normal);
     const auto pivots = equations.solver.vectorD();
-    if (terms == 1 || pivots.minCoeff() > kLeastPivot * pivots.maxCoeff()) break;
+    if (terms == 1 || pivots.minCoeff() > kMinPivot * pivots.maxCoeff()) break;
   }
   return equations;
 }

@@ -11,7 +11,7 @@ namespace mortise::simulator {
 namespace {
 
 // Where less than this share of a side leads along the surface, it has no direction along it.
-constexpr double kLeastAlong = 1e-3;
+constexpr double kMinAlong = 1e-3;
 
 // Sides of a face are 01, 12, 20, and their middles 3, 4, 5.
 std::array<int, 2> MiddlesBeside(int corner) { return {3 + corner, 3 + (corner + 2) % 3}; }
@@ -63,7 +63,7 @@ bool SurfaceFan::LeavesSurface() const {
   for (std::size_t f = 0; f < corners_.size(); ++f) {
     for (const int place : MiddlesBeside(corners_[f].place)) {
       const Eigen::Vector3d away = positions_[f].col(place) - positions_[f].col(corners_[f].place);
-      if (!(normal.cross(away).norm() > kLeastAlong * away.norm())) return true;
+      if (!(normal.cross(away).norm() > kMinAlong * away.norm())) return true;
     }
   }
   return false;

@@ -9,11 +9,11 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr int kMostEquations = 5;
-using Equations = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMostEquations, 6>;
-using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostEquations, 1>;
+constexpr int kMaxEquations = 5;
+using Equations = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxEquations, 6>;
+using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxEquations, 1>;
 using Square =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostEquations, kMostEquations>;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxEquations, kMaxEquations>;
 
 // a · σ b as a row that multiplies σ.
 Eigen::Matrix<double, 1, 6> Row(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {

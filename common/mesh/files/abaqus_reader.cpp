@@ -25,10 +25,10 @@ using abaqus::Upper;
 
 // No line that is split into fields may be longer, in bytes, and no keyword with all the lines it
 // goes on over.
-constexpr std::size_t kLongestLine = 65'536;
+constexpr std::size_t kMaxLineLength = 65'536;
 
 constexpr std::size_t kListedKeywords = 50;  // in a note
-constexpr std::size_t kMostIgnored = 1000;   // of different names
+constexpr std::size_t kMaxIgnored = 1000;    // of different names
 
 using Owner = GroupedMeshBuilder::Owner;
 using Kind = AbaqusSets::Kind;
@@ -92,7 +92,7 @@ class Reader {
     const auto known = ignored_.find(keyword);
     if (known != ignored_.end()) {
       ++known->second.count;
-    } else if (ignored_.size() < kMostIgnored) {
+    } else if (ignored_.size() < kMaxIgnored) {
       ignored_.emplace(keyword, Ignored{place_, 1});
     }
   }
@@ -154,8 +154,8 @@ class Reader {
     std::string whole(line);
     std::optional<Keyword> keyword = abaqus::ParseKeyword(whole);
     while (true) {
-      if (whole.size() > kLongestLine) {
-        return Fault(absl::StrCat("a keyword takes more than ", kLongestLine, " bytes"));
+      if (whole.size() > kMaxLineLength) {
+        return Fault(absl::StrCat("a keyword takes more than ", kMaxLineLength, " bytes"));
       }
       if (!whole.ends_with(',')) break;
       const std::size_t before = at_;
@@ -305,8 +305,8 @@ class Reader {
   }
 
   absl::Status ReadData(std::string_view line) {
-    if (reading_ != Reading::kNothing && line.size() > kLongestLine) {
-      return Fault(absl::StrCat("a line of data is longer than ", kLongestLine, " bytes"));
+    if (reading_ != Reading::kNothing && line.size() > kMaxLineLength) {
+      return Fault(absl::StrCat("a line of data is longer than ", kMaxLineLength, " bytes"));
     }
     switch (reading_) {
       case Reading::kNothing:

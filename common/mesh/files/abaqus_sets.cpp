@@ -18,7 +18,7 @@ using abaqus::Upper;
 constexpr std::array<int, 4> kSides{3, 2, 0, 1};
 
 // Of all sets together, which take some fifty bytes each.
-constexpr std::size_t kMostMembers = 10'000'000;
+constexpr std::size_t kMaxMembers = 10'000'000;
 
 }  // namespace
 
@@ -177,8 +177,8 @@ void AbaqusSets::NoteDoubts() {
 // Sets that name each other may multiply; what they hold in all is limited.
 absl::Status AbaqusSets::Spend(std::size_t members, std::size_t place) {
   members_ += members;
-  if (members_ <= kMostMembers) return absl::OkStatus();
-  return places_.Fault(place, absl::StrCat("the sets have more than ", kMostMembers, " members"));
+  if (members_ <= kMaxMembers) return absl::OkStatus();
+  return places_.Fault(place, absl::StrCat("the sets have more than ", kMaxMembers, " members"));
 }
 
 std::pair<std::string_view, AbaqusSets::Owner> AbaqusSets::WithoutInstance(std::string_view name,

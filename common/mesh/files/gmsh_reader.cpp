@@ -21,13 +21,13 @@ namespace {
 
 class Reader {
  public:
-  Reader(std::string_view bytes, bool is_text, bool is_old)
+  Reader(std::string_view bytes, bool is_text, bool is_version_22)
       : places_(bytes, is_text),
         cursor_(bytes, is_text, places_),
-        builder_(places_, is_old ? GroupedMeshBuilder::Repeats::kMerged
-                                 : GroupedMeshBuilder::Repeats::kRefused),
+        builder_(places_, is_version_22 ? GroupedMeshBuilder::Repeats::kMerged
+                                        : GroupedMeshBuilder::Repeats::kRefused),
         groups_(places_, builder_),
-        is_version_22_(is_old) {}
+        is_version_22_(is_version_22) {}
 
   absl::StatusOr<GroupedMesh> Read() {
     while (true) {
@@ -77,7 +77,7 @@ class Reader {
       MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadNodes22(name != "Nodes") : ReadNodes());
     }
     if (name == "Elements") {
-      MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadOldElements() : ReadElements());
+      MORTISE_RETURN_IF_ERROR(is_version_22_ ? ReadElements22() : ReadElements());
     }
     return cursor_.Expect(end);
   }
@@ -155,19 +155,19 @@ class Reader {
 
   // Parametric nodes tell besides on which entity they lie, and where on a curve or surface.
   absl::Status ReadNodes22(bool is_parametric) {
-    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 8 : 28));
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, Count22(cursor_.is_text() ? 8 : 28));
     for (std::int64_t i = 0; i < count; ++i) {
       if (cursor_.is_text()) cursor_.SkipSpace();
       const std::size_t place = cursor_.at();
       MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
       MORTISE_RETURN_IF_ERROR(ReadNode(number, place));
-      if (is_parametric) MORTISE_RETURN_IF_ERROR(SkipOldParameters());
+      if (is_parametric) MORTISE_RETURN_IF_ERROR(SkipParameters22());
       MORTISE_RETURN_IF_ERROR(cursor_.EndLine());
     }
     return absl::OkStatus();
   }
 
-  absl::Status SkipOldParameters() {
+  absl::Status SkipParameters22() {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t dimension, cursor_.Int());
     MORTISE_RETURN_IF_ERROR(cursor_.Int().status());  // the entity
     if (dimension < 0 || dimension > 3) return cursor_.Fault("the dimension is not 0 to 3");
@@ -178,7 +178,7 @@ class Reader {
   }
 
   // A count on a line of its own, text in all files of version 2.
-  absl::StatusOr<std::int64_t> OldCount(std::size_t least) {
+  absl::StatusOr<std::int64_t> Count22(std::size_t least) {
     MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, cursor_.Parse<std::int64_t>());
     const std::size_t place = cursor_.at();
     if (!cursor_.Line().empty()) return places_.Fault(place, "a number must be alone in this line");
@@ -262,8 +262,8 @@ class Reader {
     return CheckTotal(done, total, "elements");
   }
 
-  absl::Status ReadOldElements() {
-    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, OldCount(cursor_.is_text() ? 6 : 4));
+  absl::Status ReadElements22() {
+    MORTISE_ASSIGN_OR_RETURN(const std::int64_t count, Count22(cursor_.is_text() ? 6 : 4));
     std::int64_t done = 0;
     while (done < count) {
       if (cursor_.is_text()) {
@@ -273,7 +273,7 @@ class Reader {
         MORTISE_ASSIGN_OR_RETURN(const std::int64_t type, cursor_.Int());
         MORTISE_ASSIGN_OR_RETURN(const std::int64_t tags, cursor_.Int());
         MORTISE_ASSIGN_OR_RETURN(const GmshElementKind* kind, KindOf(type));
-        MORTISE_RETURN_IF_ERROR(ReadOldElement(*kind, number, tags, place));
+        MORTISE_RETURN_IF_ERROR(ReadElement22(*kind, number, tags, place));
         ++done;
         continue;
       }
@@ -286,7 +286,7 @@ class Reader {
       for (std::int64_t i = 0; i < block; ++i) {
         const std::size_t place = cursor_.at();
         MORTISE_ASSIGN_OR_RETURN(const std::int64_t number, cursor_.Int());
-        MORTISE_RETURN_IF_ERROR(ReadOldElement(*kind, number, tags, place));
+        MORTISE_RETURN_IF_ERROR(ReadElement22(*kind, number, tags, place));
       }
       done += block;
     }
@@ -295,8 +295,8 @@ class Reader {
 
   // From the tags on. The first is the physical group, 0 for none; those after the second tell of
   // partitions.
-  absl::Status ReadOldElement(const GmshElementKind& kind, std::int64_t number, std::int64_t tags,
-                              std::size_t place) {
+  absl::Status ReadElement22(const GmshElementKind& kind, std::int64_t number, std::int64_t tags,
+                             std::size_t place) {
     if (tags < 0 || tags > 100) return places_.Fault(place, "the number of tags is not 0 to 100");
     std::int64_t tag = 0;
     if (tags > 0) {

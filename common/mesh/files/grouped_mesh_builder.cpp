@@ -13,14 +13,14 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr std::size_t kMostNodes = 100'000'000;
-constexpr std::size_t kMostGroups = 10'000;  // of a kind
-constexpr std::size_t kLongestName = 200;    // bytes
+constexpr std::size_t kMaxNodes = 100'000'000;
+constexpr std::size_t kMaxGroups = 10'000;   // of a kind
+constexpr std::size_t kMaxNameLength = 200;  // bytes
 constexpr std::size_t kListedNames = 20;     // in a note
 
 // Of all groups together. Files may have more than the first of these only if they are so long that
 // elements and nodes which are listed once each can be as many.
-constexpr std::size_t kMostMembers = 10'000'000;
+constexpr std::size_t kMaxMembers = 10'000'000;
 constexpr std::size_t kBytesOfMember = 16;
 
 }  // namespace
@@ -83,7 +83,7 @@ absl::Status GroupedMeshBuilder::AddNode(std::int64_t number, const Eigen::Vecto
   if (!position.allFinite()) {
     return places_.Fault(place, absl::StrCat("a coordinate of node ", number, " is not finite"));
   }
-  if (nodes_.size() >= kMostNodes) return places_.Fault(place, "there are too many nodes");
+  if (nodes_.size() >= kMaxNodes) return places_.Fault(place, "there are too many nodes");
   if (!node_index_.emplace(number, static_cast<int>(nodes_.size())).second) {
     return places_.Fault(place, absl::StrCat("there is a node ", number, " already"));
   }
@@ -101,7 +101,7 @@ absl::Status GroupedMeshBuilder::AddElement(std::int64_t number,
     return places_.Fault(place, absl::StrCat("element ", number, " has ", count,
                                              " nodes, those before it have ", nodes_of_element_));
   }
-  if (element_numbers_.size() >= kMostNodes) {
+  if (element_numbers_.size() >= kMaxNodes) {
     return places_.Fault(place, "there are too many elements");
   }
   if (!element_index_.emplace(number, static_cast<int>(element_numbers_.size())).second) {
@@ -117,9 +117,9 @@ absl::StatusOr<int> GroupedMeshBuilder::AddGroup(Groups& groups, const std::stri
                                                  std::size_t place, Owner owner) {
   const auto found = groups.index.find({owner, name});
   if (found != groups.index.end()) return found->second;
-  if (groups.groups.size() >= kMostGroups) return places_.Fault(place, "there are too many groups");
-  if (name.empty() || name.size() > kLongestName || !IsPlainText(name)) {
-    return places_.Fault(place, absl::StrCat("the name of a group must be 1 to ", kLongestName,
+  if (groups.groups.size() >= kMaxGroups) return places_.Fault(place, "there are too many groups");
+  if (name.empty() || name.size() > kMaxNameLength || !IsPlainText(name)) {
+    return places_.Fault(place, absl::StrCat("the name of a group must be 1 to ", kMaxNameLength,
                                              " bytes of UTF-8 without control characters"));
   }
   const int group = static_cast<int>(groups.groups.size());
@@ -144,7 +144,7 @@ absl::StatusOr<int> GroupedMeshBuilder::AddFaceGroup(const std::string& name, st
 }
 
 absl::Status GroupedMeshBuilder::SpendMember(std::size_t place) {
-  const std::size_t most = kMostMembers + places_.size() / kBytesOfMember;
+  const std::size_t most = kMaxMembers + places_.size() / kBytesOfMember;
   if (++members_ <= most) return absl::OkStatus();
   return places_.Fault(place, absl::StrCat("the groups have more than ", most, " members"));
 }

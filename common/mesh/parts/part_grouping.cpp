@@ -18,9 +18,9 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr std::size_t kMostCompared = 200;  // pieces whose triangles are looked at
-constexpr double kSamePlace = 1e-5;         // of the scene's diagonal
-constexpr double kFlat = 1e-4;              // of the scene's diagonal: pieces no thicker are flat
+constexpr std::size_t kMaxCompared = 200;  // pieces whose triangles are looked at
+constexpr double kSamePlace = 1e-5;        // of the scene's diagonal
+constexpr double kFlat = 1e-4;             // of the scene's diagonal: pieces no thicker are flat
 constexpr double kSameArea = 1e-3;
 constexpr double kReachGrowth = 4;  // from one search for what is nearest to the next
 
@@ -209,14 +209,14 @@ class Grouping {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!is_out_[i]) order.push_back(i);
     }
-    if (order.size() <= kMostCompared) return;
+    if (order.size() <= kMaxCompared) return;
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return DiagonalOf(drawn_[a]) > DiagonalOf(drawn_[b]);
     });
-    for (std::size_t i = kMostCompared; i < order.size(); ++i) {
+    for (std::size_t i = kMaxCompared; i < order.size(); ++i) {
       std::size_t nearest = order[0];
       std::pair<double, double> least(std::numeric_limits<double>::infinity(), 0);
-      for (std::size_t j = 0; j < kMostCompared; ++j) {
+      for (std::size_t j = 0; j < kMaxCompared; ++j) {
         const std::size_t other = order[j];
         const double gap = GapBetween(drawn_[order[i]], drawn_[other]);
         if (gap > least.first) continue;
@@ -228,7 +228,7 @@ class Grouping {
       is_small_[order[i]] = true;
       Join(nearest, order[i]);
     }
-    joined_ += order.size() - kMostCompared;
+    joined_ += order.size() - kMaxCompared;
   }
 
   bool IsFlat(std::size_t piece) const {

@@ -145,11 +145,11 @@ class NearestTriangles {
 
 // The least distance between two surfaces, as far as it is within `tolerance`; infinity beyond.
 double DistanceWithin(const Surface& a, const Surface& b, double tolerance) {
-  constexpr std::size_t kMostPairs = 100'000;  // that are looked at one by one
+  constexpr std::size_t kMaxPairs = 100'000;  // that are looked at one by one
   const std::vector<std::size_t> of_a = TrianglesIn(Grown(b.box, tolerance), a);
   const std::vector<std::size_t> of_b = TrianglesIn(Grown(a.box, tolerance), b);
   NearestTriangles nearest(a, b);
-  const bool one_by_one = of_a.size() * of_b.size() <= kMostPairs;
+  const bool one_by_one = of_a.size() * of_b.size() <= kMaxPairs;
   double reach = tolerance;
   std::vector<Triangles::const_iterator> near;
   for (const std::size_t i : of_a) {
@@ -236,7 +236,7 @@ struct ProbedSurface::Prepared {
 
 namespace {
 
-constexpr std::size_t kMostProbes = 4000;  // points whose depth is measured
+constexpr std::size_t kMaxProbes = 4000;  // points whose depth is measured
 
 std::vector<Segment> EdgesOf(const SurfaceMesh& mesh) {
   std::vector<Segment> edges;
@@ -304,7 +304,7 @@ double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
   std::size_t probes = 0;
   std::vector<Triangles::const_iterator> met;
   const auto probe = [&](const Point& point) {
-    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMostProbes) {
+    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMaxProbes) {
       return;
     }
     const double squared = b.tree().squared_distance(point);

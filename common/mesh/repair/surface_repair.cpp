@@ -34,8 +34,8 @@ using Kind = SurfaceFault::Kind;
 using Triangles = std::vector<Eigen::Vector3i>;
 
 constexpr double kNoVolume = 1e-12;  // of a piece's area to the power of 3/2
-constexpr int kMostFaults = 5;       // told of one surface
-constexpr int kMostRounds = 20;      // of dividing triangles
+constexpr int kMaxFaults = 5;        // told of one surface
+constexpr int kMaxRounds = 20;       // of dividing triangles
 constexpr std::size_t kCubic = 100;  // edges of a hole that all triangulations may be tried of
 
 Kernel::Point_3 ToPoint(const Eigen::Vector3d& vertex) {
@@ -50,7 +50,7 @@ absl::Status Refusal(const std::vector<SurfaceFault>& faults) {
 }
 
 void AddFault(const SurfaceFault& fault, std::vector<SurfaceFault>& faults) {
-  if (static_cast<int>(faults.size()) < kMostFaults) faults.push_back(fault);
+  if (static_cast<int>(faults.size()) < kMaxFaults) faults.push_back(fault);
 }
 
 absl::Status CheckOptions(const RepairOptions& options) {
@@ -66,7 +66,7 @@ absl::Status CheckOptions(const RepairOptions& options) {
 // Triangles at places: each with an area, drawn once, and ending where its neighbours do.
 absl::StatusOr<SurfaceMesh> Clean(TriangleSoup soup, SurfaceRepairs& repairs) {
   repairs.merged_vertices = soup.merged_vertices();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     repairs.without_area += soup.DropDegenerate();
     repairs.drawn_twice += soup.DropRepeated();
     MORTISE_ASSIGN_OR_RETURN(const int split, soup.SplitAtVertices());
@@ -251,7 +251,7 @@ absl::Status FillHoles(const RepairOptions& options, SurfaceMesh& surface,
 
 // Turns each piece of a closed surface outwards, or inwards where it lies within another.
 absl::Status TurnOutwards(SurfaceMesh& surface) {
-  std::vector<SurfaceFault> faults = CheckSurface(surface, kMostFaults);
+  std::vector<SurfaceFault> faults = CheckSurface(surface, kMaxFaults);
   std::erase_if(faults, [](const SurfaceFault& fault) { return fault.kind == Kind::kInsideOut; });
   MORTISE_RETURN_IF_ERROR(Refusal(faults));
   const std::vector<Piece> pieces =
@@ -267,7 +267,7 @@ absl::Status TurnOutwards(SurfaceMesh& surface) {
   MORTISE_ASSIGN_OR_RETURN(HalfedgeMesh mesh, ToHalfedgeMesh(surface));
   processing::orient_to_bound_a_volume(mesh);
   surface = ToSurfaceMesh(mesh);
-  return Refusal(CheckSurface(surface, kMostFaults));
+  return Refusal(CheckSurface(surface, kMaxFaults));
 }
 
 // Whether one of two triangles with the same corners is the other turned over.

@@ -33,8 +33,8 @@ using Point = geometry::model::point<double, 3, geometry::cs::cartesian>;
 using Box = geometry::model::box<Point>;
 using Segment = geometry::model::segment<Point>;
 
-constexpr std::size_t kMostPieces = 4;     // that triangles are divided into on the mean
-constexpr std::size_t kMostLookedAt = 16;  // vertices near edges, to each of those pieces
+constexpr std::size_t kMaxPieces = 4;     // that triangles are divided into on the mean
+constexpr std::size_t kMaxLookedAt = 16;  // vertices near edges, to each of those pieces
 
 Point ToPoint(const Eigen::Vector3d& place) { return {place.x(), place.y(), place.z()}; }
 
@@ -73,7 +73,7 @@ std::vector<TriangleSoup::Border> TriangleSoup::BordersOf(const CutSurface& surf
 
 TriangleSoup::TriangleSoup(const SurfaceMesh& surface, double tolerance)
     : tolerance_(tolerance),
-      most_triangles_(kMostPieces * (static_cast<std::size_t>(surface.triangles.cols()) + 100)) {
+      most_triangles_(kMaxPieces * (static_cast<std::size_t>(surface.triangles.cols()) + 100)) {
   const Eigen::Vector3d corner = surface.vertices.rowwise().minCoeff();
   PointMerger merger(tolerance);
   std::vector<int> merged(static_cast<std::size_t>(surface.vertices.cols()), -1);
@@ -173,7 +173,7 @@ absl::Status TriangleSoup::FindVerticesOn(std::vector<Border>& borders) const {
           (offset - at * along).norm() <= tolerance_ && at > tolerance_ && at < length - tolerance_;
       if (is_on_it) border.vertices.emplace_back(at, near->second);
       found += is_on_it ? 1 : 0;
-      if (found > most_triangles_ || ++looked_at > kMostLookedAt * most_triangles_) {
+      if (found > most_triangles_ || ++looked_at > kMaxLookedAt * most_triangles_) {
         return InvalidField("surface", "has too many vertices that lie on edges of triangles");
       }
     }

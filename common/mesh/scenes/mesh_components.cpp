@@ -13,7 +13,7 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr double kLeastTolerance = 1e-12;  // relative, so that numbers of cells fit an integer
+constexpr double kMinTolerance = 1e-12;  // relative, so that numbers of cells fit an integer
 
 using Key = std::array<std::int64_t, 3>;
 
@@ -159,7 +159,7 @@ ConnectedTriangles FindConnected(const Eigen::Matrix3Xd& vertices,
   double tolerance = 0;
   if (relative_tolerance > 0) {
     const double diagonal = (vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff()).norm();
-    tolerance = std::max(relative_tolerance, kLeastTolerance) * diagonal;
+    tolerance = std::max(relative_tolerance, kMinTolerance) * diagonal;
   }
   const Eigen::VectorXi places = WeldPoints(vertices, tolerance);
   DisjointSets sets(static_cast<std::size_t>(places.maxCoeff()) + 1);

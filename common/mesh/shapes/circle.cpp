@@ -12,7 +12,7 @@ namespace {
 constexpr double kOnCircle = 1e-9;       // m, by which the corners of triangles may miss a circle
 constexpr double kOnCircleShare = 1e-8;  // of its radius, the same
 constexpr double kNearCircle = 1e-6;     // m, the same where they lie in another curved face too
-constexpr int kMostRounds = 4;           // of looking for the corners that lie on a circle
+constexpr int kMaxRounds = 4;            // of looking for the corners that lie on a circle
 
 // The circle nearest to points (least squares; Kåsa 1976); none if they lie in a line.
 std::optional<Circle> CircleNear(const Eigen::Matrix2Xd& points) {
@@ -48,7 +48,7 @@ std::optional<Circle> CircleThrough(const Eigen::Matrix2Xd& points) {
                      [&](int a, int b) { return missed[a] < missed[b]; });
     const double exact = std::max(kOnCircle, kOnCircleShare * circle->radius);
     if (missed.maxCoeff() <= exact) return circle;
-    if (round == kMostRounds) return missed[*(half - 1)] <= exact ? circle : std::nullopt;
+    if (round == kMaxRounds) return missed[*(half - 1)] <= exact ? circle : std::nullopt;
     circle = CircleNear(points(Eigen::all, std::vector<int>(order.begin(), half)));
   }
   return std::nullopt;

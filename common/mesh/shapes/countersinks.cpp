@@ -17,9 +17,9 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr double kLevel = 1e-9;           // 1 less the cosine of a flat face with the axis; of a
-                                          // triangle that runs along it, the cosine
-constexpr std::size_t kLeastCorners = 5;  // of a circle: fewer nearly always lie on one
+constexpr double kLevel = 1e-9;         // 1 less the cosine of a flat face with the axis; of a
+                                        // triangle that runs along it, the cosine
+constexpr std::size_t kMinCorners = 5;  // of a circle: fewer nearly always lie on one
 
 // The edges between a flat face and what slopes away from it.
 struct Rim {
@@ -88,7 +88,7 @@ class CountersinkSearch {
 
   std::optional<Countersink> CountersinkAt(const Rim& rim) const {
     const std::vector<int> corners = VerticesOf(rim);
-    if (corners.size() < kLeastCorners) return std::nullopt;
+    if (corners.size() < kMinCorners) return std::nullopt;
     Eigen::Matrix2Xd points(2, static_cast<Eigen::Index>(corners.size()));
     for (std::size_t i = 0; i < corners.size(); ++i) {
       points.col(static_cast<Eigen::Index>(i)) = Seen(corners[i]);

@@ -20,15 +20,15 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr double kLeastSize = 1e-6;     // m
-constexpr double kFurthest = 10e3;      // m, from the origin, as assemblies
-constexpr double kSamePlane = 1e-9;     // of the size: fractions in one plane
-constexpr double kAlong = 1e-6;         // of its largest section: that of a triangle along an axis
-constexpr double kProminent = 0.1;      // of the box's section: the least area of a large face
-constexpr std::size_t kMostPlanes = 4;  // along an axis
-constexpr double kLeastFilled = 1e-6;   // of its box: the volume of what is only a surface
-constexpr int kMostFaults = 5;          // told of one surface
-constexpr int kMostIntersections = 3;
+constexpr double kMinSize = 1e-6;      // m
+constexpr double kFurthest = 10e3;     // m, from the origin, as assemblies
+constexpr double kSamePlane = 1e-9;    // of the size: fractions in one plane
+constexpr double kAlong = 1e-6;        // of its largest section: that of a triangle along an axis
+constexpr double kProminent = 0.1;     // of the box's section: the least area of a large face
+constexpr std::size_t kMaxPlanes = 4;  // along an axis
+constexpr double kMinFilled = 1e-6;    // of its box: the volume of what is only a surface
+constexpr int kMaxFaults = 5;          // told of one surface
+constexpr int kMaxIntersections = 3;
 
 const char* const kUnknownFace = "surface";  // of a mesh, but for what lies in its box's faces
 const char* const kBoxFaces[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
@@ -58,13 +58,13 @@ absl::Status CheckExtent(const mesh::SurfaceMesh& surface) {
 absl::Status CheckSolid(const mesh::SurfaceMesh& surface) {
   MORTISE_RETURN_IF_ERROR(CheckExtent(surface));
   std::vector<FieldViolation> faults;
-  for (const mesh::SurfaceFault& fault : mesh::CheckSurface(surface, kMostFaults)) {
+  for (const mesh::SurfaceFault& fault : mesh::CheckSurface(surface, kMaxFaults)) {
     faults.push_back({"shape", fault.message});
   }
   if (faults.empty()) {
     std::set<std::string> places;  // two pairs of triangles may cross in one
     for (const mesh::Intersection& crossing :
-         mesh::FindIntersections(surface.vertices, surface.triangles, kMostIntersections)) {
+         mesh::FindIntersections(surface.vertices, surface.triangles, kMaxIntersections)) {
       const std::string place = PlaceText(crossing.place);
       if (!places.insert(place).second) continue;
       faults.push_back({"shape", absl::StrCat("the surface crosses itself at ", place)});
@@ -210,7 +210,7 @@ void FindPlanes(DrawnShape& shape) {
     }
     std::stable_sort(large.begin(), large.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
-    if (large.size() > kMostPlanes) large.resize(kMostPlanes);
+    if (large.size() > kMaxPlanes) large.resize(kMaxPlanes);
     std::sort(large.begin(), large.end(),
               [](const auto& a, const auto& b) { return a.second < b.second; });
     for (std::size_t i = 0; i < large.size(); ++i) {
@@ -244,7 +244,7 @@ absl::StatusOr<DrawnShape> InBox(const mesh::SurfaceMesh& surface,
                                  const Eigen::Vector3d& minimum, const Eigen::Vector3d& maximum) {
   DrawnShape shape;
   shape.size = maximum - minimum;
-  if (!shape.size.allFinite() || shape.size.minCoeff() < kLeastSize) {
+  if (!shape.size.allFinite() || shape.size.minCoeff() < kMinSize) {
     return InvalidField("shape", "has a side shorter than a micrometre");
   }
   const Eigen::Vector3d center = (minimum + maximum) / 2;
@@ -325,7 +325,7 @@ absl::StatusOr<DrawnShape> ShapeOfSurface(SurfaceMesh surface, const Eigen::Vect
                            InBox(surface, Eigen::VectorXi::Zero(surface.triangles.cols()),
                                  {kUnknownFace}, minimum, maximum));
   const double of_box = shape.size.prod();
-  shape.volume = std::clamp(EnclosedVolume(shape), kLeastFilled * of_box, of_box);
+  shape.volume = std::clamp(EnclosedVolume(shape), kMinFilled * of_box, of_box);
   shape.is_solid = false;
   return shape;
 }

@@ -18,10 +18,10 @@ namespace mortise::mesh {
 namespace {
 
 constexpr double kWholeTurn = 2 * std::numbers::pi;
-constexpr double kSameCircle = 1e-7;      // m, between circles that are one
-constexpr double kSameAngle = 1e-6;       // rad
-constexpr double kLeastFacing = 0.5;      // cosine, of a triangle's normal with the radius there
-constexpr std::size_t kLeastCorners = 4;  // seen along the axis: three always lie on a circle
+constexpr double kSameCircle = 1e-7;    // m, between circles that are one
+constexpr double kSameAngle = 1e-6;     // rad
+constexpr double kMinFacing = 0.5;      // cosine, of a triangle's normal with the radius there
+constexpr std::size_t kMinCorners = 4;  // seen along the axis: three always lie on a circle
 
 // From `low` on, counter-clockwise, rad; not longer than a turn.
 struct Arc {
@@ -58,7 +58,7 @@ class RoundFaceSearch {
   void LookAt(const SmoothPiece& smooth) {
     const auto& [triangles, corners] = smooth;
     const std::optional<Circle> circle = CircleThrough(vertices_(across_, corners));
-    if (!circle.has_value() || CountAngles(*circle, corners) < kLeastCorners) return;
+    if (!circle.has_value() || CountAngles(*circle, corners) < kMinCorners) return;
     Piece piece;
     piece.circle = *circle;
     const Eigen::VectorXd along = vertices_.row(axis_)(corners).transpose();
@@ -67,7 +67,7 @@ class RoundFaceSearch {
     piece.face.is_hollow = Facing(*circle, triangles.front()) < 0;
     for (const int t : triangles) {
       const double facing = Facing(*circle, t);
-      if ((piece.face.is_hollow ? -facing : facing) < kLeastFacing) return;
+      if ((piece.face.is_hollow ? -facing : facing) < kMinFacing) return;
       piece.arcs.push_back(ArcOf(*circle, t));
     }
     piece.face.triangles = triangles;

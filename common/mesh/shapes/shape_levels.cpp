@@ -155,7 +155,7 @@ class LevelSearch {
     }
     std::stable_sort(distinct.begin(), distinct.end(),
                      [](const Turn& a, const Turn& b) { return a.area > b.area; });
-    if (distinct.size() > kMostLevels) distinct.resize(kMostLevels);
+    if (distinct.size() > kMaxLevels) distinct.resize(kMaxLevels);
     std::sort(distinct.begin(), distinct.end(),
               [](const Turn& a, const Turn& b) { return a.fraction < b.fraction; });
     std::vector<ShapeLevel> levels;

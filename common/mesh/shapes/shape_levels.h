@@ -15,7 +15,7 @@
 
 namespace mortise::mesh {
 
-inline constexpr std::size_t kMostLevels = 64;  // along an axis
+inline constexpr std::size_t kMaxLevels = 64;  // along an axis
 
 struct ShapeLevel {
   int axis = 0;         // 0, 1, 2: x, y, z
@@ -30,7 +30,7 @@ struct ShapeLevel {
 // Returns all levels within the box, its faces left out, by axis and then fraction. Levels of round
 // faces (round_faces.h) are where these reach furthest, whatever their triangles miss; other curved
 // faces are known by their triangles, which may be trusted as far as DeflectionIn says. Where there
-// are more than kMostLevels along an axis, those of the largest flat faces remain. O(T log T) for T
+// are more than kMaxLevels along an axis, those of the largest flat faces remain. O(T log T) for T
 // triangles.
 std::vector<ShapeLevel> LevelsOf(const DrawnShape& shape);
 

@@ -36,7 +36,7 @@ constexpr double kOnTriangle = 1e-3;
 // at the node between them, which takes the determinant there nearly to nothing; stresses do not
 // suffer (docs/simulator.md).
 constexpr double kLeast = 1e-3;
-constexpr double kLeastInside = 0.1;
+constexpr double kMinInside = 0.1;
 
 Point ToPoint(const Eigen::Vector3d& place) { return {place.x(), place.y(), place.z()}; }
 
@@ -265,7 +265,7 @@ class Curving {
         return (curved * along).determinant() >= share * usual;
       });
     };
-    return keeps(kLeast, throughout) && keeps(kLeastInside, inside);
+    return keeps(kLeast, throughout) && keeps(kMinInside, inside);
   }
 
   const TetrahedralMesh& mesh_;

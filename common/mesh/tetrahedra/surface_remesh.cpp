@@ -26,11 +26,11 @@ using Mesh = CGAL::Surface_mesh<Point>;
 
 constexpr double kPlane = 1e-3;          // rad, by which a face turns at most that counts as plane
 constexpr unsigned kRounds = 5;          // of the remeshing
-constexpr double kMostPieces = 1.2e5;    // into which edges are divided at first
+constexpr double kMaxPieces = 1.2e5;     // into which edges are divided at first
 constexpr double kLongBorder = 4 / 3.0;  // of the wanted length: what CGAL takes without dividing
 
 // Height over longest edge: a face with a flatter new triangle keeps its old ones.
-constexpr double kLeastRoundness = 1e-4;
+constexpr double kMinRoundness = 1e-4;
 
 using Edge = std::pair<int, int>;                                 // vertices, the lower first
 using FaceTriangles = std::vector<std::vector<Eigen::Vector3i>>;  // those of each face
@@ -93,7 +93,7 @@ absl::StatusOr<std::vector<double>> EdgeLengths(const AssemblySurface& surface, 
     lengths.push_back(std::min(longest, turn * bend.area / bend.turned));
     pieces += bend.lengths / lengths.back();
   }
-  if (pieces <= kMostPieces) return lengths;
+  if (pieces <= kMaxPieces) return lengths;
   return TooLarge("a surface whose curved faces are drawn anew", "120,000 edges");
 }
 
@@ -222,7 +222,7 @@ class FacePatch {
       return false;
     }
     mesh_.collect_garbage();
-    return LeastRoundness() >= kLeastRoundness;
+    return LeastRoundness() >= kMinRoundness;
   }
 
   // Its triangles; vertices that are new are added.

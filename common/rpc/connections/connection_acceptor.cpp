@@ -38,7 +38,7 @@ constexpr absl::Duration kLogInterval = absl::Minutes(1);
 constexpr int kAcceptedAtOnce = 64;
 
 int MostConnections(int wanted) {
-  return wanted > 0 ? wanted : std::min(kMostConnections, ConnectionsWithin(DescriptorLimit()));
+  return wanted > 0 ? wanted : std::min(kMaxConnections, ConnectionsWithin(DescriptorLimit()));
 }
 
 // One probe under way, found again by the address it comes from.

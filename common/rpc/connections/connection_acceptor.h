@@ -17,7 +17,7 @@ namespace mortise::rpc {
 struct AcceptorOptions {
   std::string listen = "127.0.0.1:0";  // HOST:PORT; port 0 takes a free one
   // Connections at a time; more are closed at once. 0: what the process's limit of descriptors
-  // leaves, at most kMostConnections.
+  // leaves, at most kMaxConnections.
   int most_connections = 0;
   // One client's address (its /64 where it is of IPv6) gets half of the places at most, so that
   // others find some; this machine itself may have all.
@@ -33,7 +33,7 @@ struct AcceptorOptions {
   std::function<bool()> close_idle = nullptr;
 };
 
-inline constexpr int kMostConnections = 4096;
+inline constexpr int kMaxConnections = 4096;
 
 class ConnectionAcceptor {
  public:

@@ -20,9 +20,9 @@ constexpr std::size_t kMaxVertices = 5000;
 constexpr std::size_t kMaxTriangles = 10'000;
 constexpr std::size_t kMaxCageVertices = 250;
 constexpr std::size_t kMaxCageTriangles = 500;
-constexpr double kFarthest = 1e3;          // m, from the origin
-constexpr double kSmallestVolume = 1e-12;  // m³
-constexpr int kMaxFaults = 20;             // that are reported of one mesh
+constexpr double kFarthest = 1e3;     // m, from the origin
+constexpr double kMinVolume = 1e-12;  // m³
+constexpr int kMaxFaults = 20;        // that are reported of one mesh
 
 class CageChecker {
  public:
@@ -95,7 +95,7 @@ class CageChecker {
              absl::StrCat("vertex ", unused - used.begin(), " belongs to no triangle"));
     }
     if (!faults.empty()) return;
-    if (mesh::ComputeMassProperties(surface).volume < kSmallestVolume) {
+    if (mesh::ComputeMassProperties(surface).volume < kMinVolume) {
       Report("surface", "encloses less than 1e-12 m³");
     }
     const auto crossings = mesh::FindIntersections(surface.vertices, surface.triangles);

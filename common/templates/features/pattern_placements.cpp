@@ -14,8 +14,8 @@
 namespace mortise::cad {
 namespace {
 
-constexpr double kShortestStep = 1e-3;   // mm
-constexpr double kSmallestAngle = 1e-6;  // rad
+constexpr double kMinStep = 1e-3;   // mm
+constexpr double kMinAngle = 1e-6;  // rad
 
 }  // namespace
 
@@ -26,10 +26,10 @@ absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const LinearPattern& pattern,
       pattern.second_count.empty() ? 1 : static_cast<int>(numbers(pattern.second_count));
   const gp_Vec step(gp_Pnt(), KernelPoint(numbers(pattern.step)));
   const gp_Vec second(gp_Pnt(), KernelPoint(numbers(pattern.second_step)));
-  if (count > 1 && step.Magnitude() < kShortestStep) {
+  if (count > 1 && step.Magnitude() < kMinStep) {
     return InvalidField("linear_pattern.step", "has no length");
   }
-  if (rows > 1 && second.Magnitude() < kShortestStep) {
+  if (rows > 1 && second.Magnitude() < kMinStep) {
     return InvalidField("linear_pattern.second_step", "has no length");
   }
   if (count * rows > kMaxInstances) {
@@ -55,7 +55,7 @@ absl::StatusOr<std::vector<gp_Trsf>> PlacementsOf(const CircularPattern& pattern
   }
   const double angle =
       pattern.angle.empty() ? 2 * std::numbers::pi / count : numbers(pattern.angle);
-  if (count > 1 && std::abs(angle) < kSmallestAngle) {
+  if (count > 1 && std::abs(angle) < kMinAngle) {
     return InvalidField("circular_pattern.angle", "is 0");
   }
   const gp_Ax1 around(KernelPoint(numbers(pattern.axis_point)),

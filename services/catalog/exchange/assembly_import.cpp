@@ -25,8 +25,8 @@ namespace mortise::catalog {
 namespace {
 
 constexpr double kMaxTolerance = 1e-3;    // m
-constexpr std::size_t kLeastPacked = 18;  // bytes of gzip around nothing
-constexpr double kLeastTolerance = 2e-7;  // m; below it, noise of the drawing counts
+constexpr std::size_t kMinPacked = 18;    // bytes of gzip around nothing
+constexpr double kMinTolerance = 2e-7;    // m; below it, noise of the drawing counts
 constexpr double kToleranceShare = 1e-6;  // of the diagonal
 constexpr std::size_t kNamesInNote = 5;
 constexpr double kColorSteps = 1e5;
@@ -114,7 +114,7 @@ class Maker {
     } else if (asked > 0) {
       return asked;
     }
-    return std::max(kLeastTolerance, kToleranceShare * diagonal);
+    return std::max(kMinTolerance, kToleranceShare * diagonal);
   }
 
   // Boxes without noise: planes of all parts, axis by axis.
@@ -330,7 +330,7 @@ absl::StatusOr<std::string> UnpackStep(const std::string& bytes) {
     if (whole.size() > cad::kMaxStepBytes) return TooLarge("step", "64 MiB unpacked");
   }
   // What was packed says in its last four bytes how long it was.
-  const bool was_empty = bytes.size() >= kLeastPacked && bytes.ends_with(std::string(4, '\0'));
+  const bool was_empty = bytes.size() >= kMinPacked && bytes.ends_with(std::string(4, '\0'));
   if (whole.empty() && was_empty) return InvalidField("step", "is empty");
   if (unpacked.ZlibErrorMessage() != nullptr || whole.empty()) {
     return InvalidField("step", "is packed, but cannot be unpacked");

@@ -8,7 +8,7 @@ namespace mortise::catalog {
 namespace {
 
 constexpr double kNoise = 1e-7;  // m; what CAD kernels take for equal
-constexpr int kMostDecimals = 12;
+constexpr int kMaxDecimals = 12;
 // Of the last decimal's unit: one number in a hundred is as near to one of so few by chance.
 constexpr double kByChance = 0.005;
 
@@ -16,7 +16,7 @@ constexpr double kByChance = 0.005;
 template <typename Slack>
 double RoundestWithin(double value, const Slack& slack) {
   double scale = 1;
-  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, scale *= 10) {
+  for (int decimals = 0; decimals <= kMaxDecimals; ++decimals, scale *= 10) {
     const double rounded = std::round(value * scale) / scale;
     if (std::abs(rounded - value) <= slack(1 / scale)) return rounded == 0 ? 0 : rounded;
   }

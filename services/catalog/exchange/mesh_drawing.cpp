@@ -20,10 +20,10 @@ namespace {
 constexpr double kThin = 2e-5;       // boxes no thicker get a thickness
 constexpr double kThickness = 1e-4;  // which is this
 constexpr double kTolerance = 1e-5;  // planes that are nearer lie in one
-constexpr double kMostMoved = 2;     // tolerances, of what lies between such planes
+constexpr double kMaxMoved = 2;      // tolerances, of what lies between such planes
 
-constexpr double kMostTolerance = 1e-3;  // m
-constexpr double kSmallestMesh = 1e-4;   // m, its diagonal
+constexpr double kMaxTolerance = 1e-3;   // m
+constexpr double kMinMesh = 1e-4;        // m, its diagonal
 constexpr double kFurthest = 10e3;       // m, from the origin
 constexpr double kAlmostAll = 1 - 1e-6;  // of its box: what fills it
 const char* const kNameless = "part";
@@ -40,10 +40,10 @@ double Diagonal(const cad::StepAssembly& drawing) {
 absl::Status CheckExtent(const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return InvalidField("file", "has no triangle that has an area");
   const double diagonal = box.diagonal().norm();
-  if (!(diagonal >= kSmallestMesh)) {
+  if (!(diagonal >= kMinMesh)) {
     return InvalidField("file", absl::StrFormat("measures %g m across, less than %g m: is its unit "
                                                 "of length another one?",
-                                                diagonal, kSmallestMesh));
+                                                diagonal, kMinMesh));
   }
   const double furthest =
       std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
@@ -160,7 +160,7 @@ class Drawer {
     // Planes that nearly are one become one (ToleranceOfMesh), and take what lies between them
     // along: corners and edges that met are a little apart then, and still touch.
     shape->deflection =
-        (is_gapped ? mesh::PartGroupingOptions().contact / 2 : kMostMoved * kTolerance) * diagonal_;
+        (is_gapped ? mesh::PartGroupingOptions().contact / 2 : kMaxMoved * kTolerance) * diagonal_;
     if (!shape->is_solid) surfaces_.push_back(part.name);
     shape->name = NamedShape(*shape).name();
     part.shape = static_cast<int>(drawing_.shapes.size());
@@ -214,7 +214,7 @@ absl::StatusOr<cad::StepAssembly> DrawingOfScene(mesh::Scene scene, const std::s
 }
 
 double ToleranceOfMesh(const cad::StepAssembly& drawing) {
-  return std::min(kTolerance * Diagonal(drawing), kMostTolerance);
+  return std::min(kTolerance * Diagonal(drawing), kMaxTolerance);
 }
 
 }  // namespace mortise::catalog

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kHeader = 80;    // bytes
 constexpr std::size_t kTriangle = 50;  // bytes
 constexpr double kMillimetre = 1e-3;   // m
-constexpr auto kMostTriangles = static_cast<std::size_t>(mesh::kMaxShapeTriangles);
+constexpr auto kMaxTriangles = static_cast<std::size_t>(mesh::kMaxShapeTriangles);
 
 // Collects triangles whose corners come one by one.
 class Collector {
@@ -40,8 +40,8 @@ class Collector {
     const auto [known, is_new] = index_.try_emplace(key, static_cast<int>(points_.size()));
     if (is_new) points_.push_back(point);
     corners_.push_back(known->second);
-    if (corners_.size() > 3 * kMostTriangles) {
-      return TooLarge("file", absl::StrCat(kMostTriangles, " triangles"));
+    if (corners_.size() > 3 * kMaxTriangles) {
+      return TooLarge("file", absl::StrCat(kMaxTriangles, " triangles"));
     }
     return absl::OkStatus();
   }

@@ -16,14 +16,14 @@
 namespace mortise::catalog {
 
 // How much all drawings may take together, bytes.
-inline constexpr int64_t kMostDrawingBytes = int64_t{2} << 30;
+inline constexpr int64_t kMaxDrawingBytes = int64_t{2} << 30;
 
 // How long a drawing is not forgotten to make room for others: who uploads one is about to import
 // it.
 inline constexpr absl::Duration kDrawingGrace = absl::Hours(1);
 
 // What drawings are among uploads. `most`: bytes of all together.
-rpc::UploadedKind Drawings(int64_t most = kMostDrawingBytes);
+rpc::UploadedKind Drawings(int64_t most = kMaxDrawingBytes);
 
 // Receives one file, at most as large as cad::kMaxStepBytes. If all drawings together would take
 // more than `most` bytes, or be more than 4,000, those that were last uploaded longest ago are
@@ -31,7 +31,7 @@ rpc::UploadedKind Drawings(int64_t most = kMostDrawingBytes);
 // DRAWINGS_FULL if it is one of all together; INVALID_ARGUMENT naming "offset", "data",
 // "total_size" or "sha256". Nothing is kept of an upload that breaks off or is refused.
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
-    store::Store* store, store::BlobFolder* blobs, int64_t most = kMostDrawingBytes);
+    store::Store* store, store::BlobFolder* blobs, int64_t most = kMaxDrawingBytes);
 
 // The bytes of a drawing that was uploaded. INVALID_ARGUMENT, "drawing", for one that was not.
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,

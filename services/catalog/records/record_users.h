@@ -28,10 +28,10 @@ bool Uses(const store::Record& record, const std::string& item) {
 }
 
 // As many users as a refusal names.
-inline constexpr std::size_t kMostUsersNamed = 5;
+inline constexpr std::size_t kMaxUsersNamed = 5;
 
 // Adds the names of those resources of `kind` for whose latest revision `uses(record)`, until there
-// are kMostUsersNamed.
+// are kMaxUsersNamed.
 template <typename Uses>
 absl::Status AddUsers(store::ReadTransaction& transaction, const char* kind, const Uses& uses,
                       std::vector<std::string>& users) {
@@ -41,7 +41,7 @@ absl::Status AddUsers(store::ReadTransaction& transaction, const char* kind, con
     MORTISE_ASSIGN_OR_RETURN(const std::vector<store::Record> records,
                              transaction.List(kind, options));
     for (const store::Record& record : records) {
-      if (users.size() >= kMostUsersNamed) return absl::OkStatus();
+      if (users.size() >= kMaxUsersNamed) return absl::OkStatus();
       if (uses(record)) users.push_back(absl::StrCat(kind, "/", record.key));
     }
     if (static_cast<int>(records.size()) < options.limit) return absl::OkStatus();

@@ -13,9 +13,9 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr std::size_t kDigest = 64;                // characters
-constexpr std::size_t kMostTogether = 64'000'000;  // bytes of arrays
-constexpr std::size_t kMostInMessage = 3'000'000;  // bytes of arrays
+constexpr std::size_t kDigest = 64;               // characters
+constexpr std::size_t kMaxTogether = 64'000'000;  // bytes of arrays
+constexpr std::size_t kMaxInMessage = 3'000'000;  // bytes of arrays
 // Writing again what was written just now is spared; far less than kUnusedShapeLife.
 constexpr absl::Duration kFresh = absl::Minutes(5);
 
@@ -119,7 +119,7 @@ void NameWhatDoesNotFit(v1::TemplateBundle& bundle) {
   std::size_t bytes = 0;
   for (v1::Shape& shape : *bundle.mutable_shapes()) {
     const std::size_t more = shape.ByteSizeLong();
-    if (bytes + more > kMostInMessage) {
+    if (bytes + more > kMaxInMessage) {
       bundle.add_more_shapes(shape.name());
       continue;
     }
@@ -129,13 +129,13 @@ void NameWhatDoesNotFit(v1::TemplateBundle& bundle) {
   *bundle.mutable_shapes() = std::move(fitting);
 }
 
-absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
+absl::Status CheckShapesTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes) {
   std::size_t bytes = 0;
   for (const v1::Shape& shape : shapes) bytes += shape.ByteSizeLong() - shape.brep().size();
-  if (bytes <= kMostTogether) return absl::OkStatus();
+  if (bytes <= kMaxTogether) return absl::OkStatus();
   return InvalidField(
       "parts", absl::StrCat("the triangles of all ", shapes.size(), " shapes together take ", bytes,
-                            " bytes, more than ", kMostTogether));
+                            " bytes, more than ", kMaxTogether));
 }
 
 absl::StatusOr<std::vector<FieldViolation>> CheckItemShape(store::ReadTransaction& transaction,

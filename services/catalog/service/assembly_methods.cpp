@@ -85,8 +85,8 @@ absl::StatusOr<DrawnBundle> Checked(const Catalog& catalog, const Request& asked
                                     absl::StatusOr<DrawnBundle> prepared, const std::string& file,
                                     const absl::Status& others = absl::OkStatus()) {
   const absl::Status faults = CombineViolations(
-      CombineViolations(prepared.ok() ? absl::OkStatus() : SaidOf(prepared.status(), "step", file),
-                        others),
+      CombineViolations(
+          prepared.ok() ? absl::OkStatus() : RenameField(prepared.status(), "step", file), others),
       UnderField("annotations", resources::ValidateTags(asked.annotations())));
   MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, asked.annotations().name(),
                                             asked.expected_revision(), faults));
@@ -191,7 +191,7 @@ absl::StatusOr<DrawnBundle> PrepareAssemblyMesh(Catalog& catalog, const rpc::Cal
   const MeshDrawingOptions options = OptionsOf(asked, faults);
   absl::StatusOr<Drawing> read =
       catalog.drawings.ReadMesh(asked.file(), asked.drawing(), asked.file_name(), options);
-  if (!read.ok()) read = SaidOf(read.status(), "file", file);
+  if (!read.ok()) read = RenameField(read.status(), "file", file);
   v1::AssemblyAnnotations annotations = asked.annotations();
   if (read.ok() && annotations.tolerance() == 0) annotations.set_tolerance(ToleranceOfMesh(**read));
   return Checked(catalog, asked, DrawnOf(catalog, call, read, annotations), file, faults);

@@ -19,20 +19,20 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr int kMostRows = 10'000;  // materials and items
-constexpr int kMostTemplates = 100;
+constexpr int kMaxRows = 10'000;  // materials and items
+constexpr int kMaxTemplates = 100;
 
 std::string At(const char* list, int index) { return absl::StrCat(list, "[", index, "]"); }
 
 absl::Status CheckCounts(const v1::ImportCatalogRequest& request) {
-  if (request.materials_size() > kMostRows) {
-    return InvalidField("materials", absl::StrCat("must be at most ", kMostRows));
+  if (request.materials_size() > kMaxRows) {
+    return InvalidField("materials", absl::StrCat("must be at most ", kMaxRows));
   }
-  if (request.items_size() > kMostRows - request.materials_size()) {
-    return InvalidField("items", absl::StrCat("must be at most ", kMostRows, " with materials"));
+  if (request.items_size() > kMaxRows - request.materials_size()) {
+    return InvalidField("items", absl::StrCat("must be at most ", kMaxRows, " with materials"));
   }
-  if (request.templates_size() > kMostTemplates) {
-    return InvalidField("templates", absl::StrCat("must be at most ", kMostTemplates));
+  if (request.templates_size() > kMaxTemplates) {
+    return InvalidField("templates", absl::StrCat("must be at most ", kMaxTemplates));
   }
   return absl::OkStatus();
 }

@@ -23,13 +23,13 @@ using ChunkWriter = std::shared_ptr<rpc::StreamWriter<v1::Chunk>>;
 
 // A template and where to evaluate it.
 struct Choice {
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   Eigen::VectorXd q;
 };
 
 // A design with the template it came from.
 struct NamedDesign {
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   Eigen::VectorXd q;
   parametric::EvaluatedDesign design;
 };
@@ -39,15 +39,15 @@ absl::StatusOr<Choice> Choose(Catalog& catalog, const std::string& name, int64_t
                               const ParameterValues& values) {
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(catalog, name, revision));
   MORTISE_ASSIGN_OR_RETURN(
-      std::shared_ptr<const templates::Template> function,
+      std::shared_ptr<const templates::Template> design_template,
       catalog.compiled.Get(std::move(bundle), [&catalog](v1::TemplateBundle& needed) {
         return AddShapesTo(catalog, needed);
       }));
-  const std::vector<parametric::Parameter>& parameters = function->parameters();
-  MORTISE_ASSIGN_OR_RETURN(Eigen::VectorXd q,
-                           parametric::Complete(parameters, parametric::FromProto(values)));
+  const std::vector<parametric::Parameter>& parameters = design_template->parameters();
+  MORTISE_ASSIGN_OR_RETURN(
+      Eigen::VectorXd q, parametric::CompleteParameters(parameters, parametric::FromProto(values)));
   q = parametric::RoundToSteps(parameters, q);
-  return Choice{std::move(function), std::move(q)};
+  return Choice{std::move(design_template), std::move(q)};
 }
 
 // Whether there is such a file, of whatever template.
@@ -66,14 +66,15 @@ absl::StatusOr<Choice> ChooseFor(Catalog& catalog, const v1::ExportDesignRequest
 }
 
 absl::StatusOr<NamedDesign> Evaluate(Choice choice) {
-  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, choice.function->Evaluate(choice.q));
-  return NamedDesign{std::move(choice.function), std::move(choice.q), std::move(design)};
+  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
+                           choice.design_template->Evaluate(choice.q));
+  return NamedDesign{std::move(choice.design_template), std::move(choice.q), std::move(design)};
 }
 
 // The evaluated design itself, as large as it may be.
 absl::Status ExportMessage(const NamedDesign& evaluated, const ChunkWriter& writer) {
   v1::EvaluatedDesign design = parametric::ToProto(evaluated.design);
-  MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.function, evaluated.q, design));
+  MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.design_template, evaluated.q, design));
   rpc::StreamBytes(design.SerializeAsString(), {"design.binpb", "application/x-protobuf"}, writer);
   return absl::OkStatus();
 }
@@ -85,7 +86,7 @@ absl::StatusOr<std::string> FileOf(const NamedDesign& evaluated,
     return ExportMesh(evaluated.design, {}, MeshFormatOf(format), id);
   }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids,
-                           evaluated.function->Solids(evaluated.q));
+                           evaluated.design_template->Solids(evaluated.q));
   return ExportStep(evaluated.design, solids, id);
 }
 
@@ -99,7 +100,7 @@ absl::StatusOr<v1::EvaluatedDesign> EvaluateTemplate(Catalog& catalog, const rpc
   v1::EvaluatedDesign answer = parametric::ToProto(evaluated.design);
   if (asked.without_triangles()) DropTriangles(answer);
   if (!asked.without_faults()) {
-    MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.function, evaluated.q, answer));
+    MORTISE_RETURN_IF_ERROR(AddFaults(*evaluated.design_template, evaluated.q, answer));
   }
   if (answer.ByteSizeLong() > static_cast<std::size_t>(rpc::kMaxMessageBytes)) {
     return TooLarge("the design", "4 MiB: ask for it without_triangles, or export it as a file");
@@ -119,10 +120,10 @@ absl::Status ExportDesign(Catalog& catalog, const rpc::Call&, const v1::ExportDe
   if (asked.format() == v1::ExportDesignRequest::DESIGN) return ExportMessage(evaluated, writer);
   MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(asked.format()));
   const std::string id = asked.name().substr(asked.name().find('/') + 1);
-  MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.function->AssemblyAt(evaluated.q));
+  MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.design_template->AssemblyAt(evaluated.q));
   if (assembly) {
     return StreamAssembly({*assembly->assembly, assembly->q, evaluated.design, asked.rest_pose()},
-                          asked.format(), id, evaluated.function->head().title, writer);
+                          asked.format(), id, evaluated.design_template->head().title, writer);
   }
   if (!asked.rest_pose().empty()) {
     return InvalidField("rest_pose", "only assembly templates have rest poses");

@@ -75,7 +75,7 @@ absl::StatusOr<Drawing> DrawingSource::ReadMesh(const std::string& file, const s
   return read_.Get(key, [&]() -> absl::StatusOr<DrawingCache::Made> {
     const absl::StatusOr<std::string> bytes = UnpackStep(sent);
     if (absl::IsResourceExhausted(bytes.status())) return TooLarge("file", "64 MiB unpacked");
-    if (!bytes.ok()) return SaidOf(bytes.status(), "step", "file");
+    if (!bytes.ok()) return RenameField(bytes.status(), "step", "file");
     MORTISE_ASSIGN_OR_RETURN(mesh::Scene scene, mesh::ReadScene(*bytes, file_name));
     const std::string title = std::filesystem::path(file_name).stem().string();
     MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read,
@@ -84,7 +84,8 @@ absl::StatusOr<Drawing> DrawingSource::ReadMesh(const std::string& file, const s
   });
 }
 
-absl::Status SaidOf(const absl::Status& status, const std::string& from, const std::string& to) {
+absl::Status RenameField(const absl::Status& status, const std::string& from,
+                         const std::string& to) {
   if (absl::IsResourceExhausted(status)) {
     return WithDetail(status, {DetailOf(status).reason, to});
   }

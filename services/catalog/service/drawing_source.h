@@ -48,6 +48,7 @@ class DrawingSource {
 
 // What is said of the field `from`, said of `to`: of "step", where it is about a mesh ("file") or a
 // file that was uploaded ("drawing").
-absl::Status SaidOf(const absl::Status& status, const std::string& from, const std::string& to);
+absl::Status RenameField(const absl::Status& status, const std::string& from,
+                         const std::string& to);
 
 }  // namespace mortise::catalog

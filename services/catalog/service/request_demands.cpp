@@ -15,8 +15,8 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr int kMostDemands = 100;
-constexpr std::size_t kMostNamesOffered = 3;
+constexpr int kMaxDemands = 100;
+constexpr std::size_t kMaxNamesOffered = 3;
 
 // Elements that are called as `name` but for its case, or begin with it.
 std::vector<std::string> CalledLike(const parametric::ParametricAssembly& assembly,
@@ -26,7 +26,7 @@ std::vector<std::string> CalledLike(const parametric::ParametricAssembly& assemb
     if (!name.empty() && absl::StartsWithIgnoreCase(element.name, name)) {
       names.push_back(absl::StrCat("'", element.name, "'"));
     }
-    if (names.size() == kMostNamesOffered) break;
+    if (names.size() == kMaxNamesOffered) break;
   }
   return names;
 }
@@ -46,8 +46,8 @@ std::string NoSuchElement(const parametric::ParametricAssembly& assembly, const 
 }  // namespace
 
 absl::Status CheckDemandCount(const Demands& demands) {
-  if (demands.size() <= kMostDemands) return absl::OkStatus();
-  return InvalidField("demands", absl::StrCat("must be at most ", kMostDemands));
+  if (demands.size() <= kMaxDemands) return absl::OkStatus();
+  return InvalidField("demands", absl::StrCat("must be at most ", kMaxDemands));
 }
 
 absl::Status CheckDemands(const parametric::ParametricAssembly& assembly, const Demands& demands) {
@@ -59,9 +59,9 @@ absl::Status CheckDemands(const parametric::ParametricAssembly& assembly, const 
     if (!HasElement(assembly, name)) {
       violations.push_back({field + ".measure.element", NoSuchElement(assembly, name)});
     }
-    if (!(std::abs(demands[i].value()) <= parametric::kFurthestFromOrigin)) {
-      violations.push_back({field + ".value", absl::StrCat("must be within ",
-                                                           parametric::kFurthestFromOrigin, " m")});
+    if (!(std::abs(demands[i].value()) <= parametric::kMaxFromOrigin)) {
+      violations.push_back(
+          {field + ".value", absl::StrCat("must be within ", parametric::kMaxFromOrigin, " m")});
     }
   }
   return violations.empty() ? absl::OkStatus() : InvalidFields(violations);

@@ -24,8 +24,8 @@ void CheckNumbers(const Eigen::VectorXd& q, const parametric::ParametricAssembly
   for (int i = 0; i < static_cast<int>(q.size()); ++i) {
     if (!std::isfinite(q[i])) {
       add(i, "must be a finite number");
-    } else if (std::abs(q[i]) > parametric::kFurthestFromOrigin) {
-      add(i, absl::StrCat(q[i], " must be within ", parametric::kFurthestFromOrigin, " m"));
+    } else if (std::abs(q[i]) > parametric::kMaxFromOrigin) {
+      add(i, absl::StrCat(q[i], " must be within ", parametric::kMaxFromOrigin, " m"));
     }
   }
   for (int e = 0; e < static_cast<int>(assembly.elements().size()); ++e) {

@@ -28,7 +28,7 @@ using parametric::BoundingBox;
 using parametric::ElementConnection;
 using parametric::OptimizedConnection;
 
-constexpr double kLeastShared = 1e-6;  // m; parts that share less meet in an edge only
+constexpr double kMinShared = 1e-6;  // m; parts that share less meet in an edge only
 
 std::string Millimetres(double metres) { return absl::StrCat(1000 * metres, " mm"); }
 
@@ -88,7 +88,7 @@ class Connector {
 
   absl::Status FindLinked() {
     linked_ = FindLinkedParts(sides_.body_parts, sides_.component_parts, options_.linked_distance,
-                              kLeastShared);
+                              kMinShared);
     if (!linked_.empty()) return absl::OkStatus();
     double nearest = std::numeric_limits<double>::infinity();
     std::string name;
@@ -438,7 +438,7 @@ class Connector {
       for (const parametric::ConnectionPatch& patch : used.candidate.from->connection.patches) {
         const auto normal = static_cast<Eigen::Index>(patch.normal);
         if (patch.kind == parametric::PatchKind::kContact &&
-            patch.region.size()[normal] > kMostOverlap) {
+            patch.region.size()[normal] > kMaxOverlap) {
           return true;
         }
       }

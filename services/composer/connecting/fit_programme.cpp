@@ -25,9 +25,9 @@ using parametric::PatchKind;
 // What a change of a connecting part counts beside the same of a principal one: next to nothing, as
 // it is placed anew afterwards.
 constexpr double kConnectingWeight = 0.01;
-constexpr double kLeastContact = 1e-3;  // m, that parts in contact share along each axis
-constexpr double kNoChange = 1e-9;      // length of a row that says nothing of what is free
-constexpr double kHeld = 1e-7;          // m; what such a row may miss
+constexpr double kMinContact = 1e-3;  // m, that parts in contact share along each axis
+constexpr double kNoChange = 1e-9;    // length of a row that says nothing of what is free
+constexpr double kHeld = 1e-7;        // m; what such a row may miss
 
 // coefficients · x + constant, m, in the programme's variables.
 struct Affine {
@@ -245,7 +245,7 @@ class FitProgramme {
     const bool share = ValueNow(lower[0]) < ValueNow(upper[0]);
     if (is_contact) {
       Affine apart = lower[0] - upper[0];
-      apart.constant += kLeastContact;
+      apart.constant += kMinContact;
       Add(apart, false, absl::StrCat(connection.name, " touch"));
     }
     edges.lower[axis] = is_contact || share ? lower[0] : upper[0];

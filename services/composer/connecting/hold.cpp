@@ -12,7 +12,7 @@ using parametric::Axis;
 using parametric::BoundingBox;
 using parametric::ElementConnection;
 
-constexpr double kLeastDepth = 1e-4;  // m; what touches does not hold by depth
+constexpr double kMinDepth = 1e-4;  // m; what touches does not hold by depth
 
 }  // namespace
 
@@ -25,7 +25,7 @@ std::vector<Hold> HoldsOf(const ElementConnection& connection) {
       const BoundingBox& of = connection.elements[static_cast<std::size_t>(p)].box;
       const Eigen::Vector3d common =
           in.maximum.cwiseMin(of.maximum) - in.minimum.cwiseMax(of.minimum);
-      if (common.minCoeff() <= kLeastDepth) continue;
+      if (common.minCoeff() <= kMinDepth) continue;
       for (const Axis axis : parametric::kAxes) {
         const int a = static_cast<int>(axis);
         const bool from_below = in.minimum[a] < of.minimum[a] - connection.tolerance &&

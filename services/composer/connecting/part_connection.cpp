@@ -164,7 +164,7 @@ absl::StatusOr<std::vector<CollectionConnection>> ConnectionsAmong(
   const auto reaches_out = [&](const parametric::AssemblyPart& part) {
     return std::any_of(whole.parts.begin(), whole.parts.end(), [&](const auto& other) {
       return !other.connecting && !principals.contains(other.name) &&
-             CommonDepth(part.box, other.box) > kMostOverlap;
+             CommonDepth(part.box, other.box) > kMaxOverlap;
     });
   };
   Assembly left = whole;

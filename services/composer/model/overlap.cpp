@@ -29,7 +29,7 @@ const mesh::ProbedSurface& SolidPart::Probed() const {
 }
 
 double SolidPart::DepthOf(const SolidPart& a, const SolidPart& b) {
-  if (CommonDepth(a.box_, b.box_) <= kMostOverlap) return 0;
+  if (CommonDepth(a.box_, b.box_) <= kMaxOverlap) return 0;
   double depth =
       (a.box_.maximum - b.box_.minimum).cwiseMin(b.box_.maximum - a.box_.minimum).minCoeff();
   if (a.shape_ != nullptr || b.shape_ != nullptr) {
@@ -38,7 +38,7 @@ double SolidPart::DepthOf(const SolidPart& a, const SolidPart& b) {
       if (part->shape_ != nullptr) depth -= mesh::DeflectionIn(*part->shape_, part->stretch_);
     }
   }
-  return depth > kMostOverlap ? depth : 0;
+  return depth > kMaxOverlap ? depth : 0;
 }
 
 }  // namespace mortise::composer

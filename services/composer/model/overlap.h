@@ -14,7 +14,7 @@
 namespace mortise::composer {
 
 // m. Parts may reach into each other by as much.
-inline constexpr double kMostOverlap = 1e-4;
+inline constexpr double kMaxOverlap = 1e-4;
 
 // Returns how much two boxes have in common along the axis along which that is least, m; less than
 // 0 if they are apart.
@@ -32,7 +32,7 @@ class SolidPart {
   const parametric::BoundingBox& box() const { return box_; }
 
   // Returns how deep the parts reach into each other, m; 0 if they do not by more than
-  // kMostOverlap. Boxes by how far one must be moved to be free; shapes by their true surfaces,
+  // kMaxOverlap. Boxes by how far one must be moved to be free; shapes by their true surfaces,
   // less what their triangles may miss.
   static double DepthOf(const SolidPart& a, const SolidPart& b);
 

@@ -24,20 +24,20 @@
 namespace mortise::composer::methods {
 namespace {
 
-constexpr int kMostDemands = 100;
-constexpr int kMostLoose = 50;
-constexpr std::size_t kMostParts = 2000;
-constexpr std::size_t kLongestId = 50;  // of those that are made here; a number may follow
+constexpr int kMaxDemands = 100;
+constexpr int kMaxLoose = 50;
+constexpr std::size_t kMaxParts = 2000;
+constexpr std::size_t kMaxId = 50;  // of those that are made here; a number may follow
 
 IsGivenUp GivenUpWith(const rpc::Call& call) {
   return [&call] { return call.cancelled(); };
 }
 
 absl::Status CheckPosition(const v1::Vector3& position, const std::string& field) {
-  if (VectorFromProto(position).cwiseAbs().maxCoeff() <= parametric::kFurthestFromOrigin) {
+  if (VectorFromProto(position).cwiseAbs().maxCoeff() <= parametric::kMaxFromOrigin) {
     return absl::OkStatus();
   }
-  return InvalidField(field, absl::StrCat("must be within ", parametric::kFurthestFromOrigin,
+  return InvalidField(field, absl::StrCat("must be within ", parametric::kMaxFromOrigin,
                                           " m of the origin along each axis"));
 }
 
@@ -48,8 +48,8 @@ absl::Status CheckAddition(const v1::AddComponentRequest& asked) {
                         "must be 1 to 63 lower-case letters, digits and hyphens, and begin and end "
                         "with a letter or digit"});
   }
-  if (asked.demands_size() > kMostDemands) {
-    findings.push_back({"demands", absl::StrCat("are more than ", kMostDemands)});
+  if (asked.demands_size() > kMaxDemands) {
+    findings.push_back({"demands", absl::StrCat("are more than ", kMaxDemands)});
   }
   return CombineViolations(CombineViolations(parametric::ToStatus(findings),
                                              CheckPosition(asked.position(), "position")),
@@ -66,7 +66,7 @@ std::string IdOf(const std::string& name) {
       id += '-';
     }
   }
-  id = id.substr(0, kLongestId);
+  id = id.substr(0, kMaxId);
   while (!id.empty() && id.back() == '-') id.pop_back();
   return id.empty() ? "component" : id;
 }
@@ -105,14 +105,14 @@ absl::Status CheckItems(const OpenModel& model, const Drawing& origin, ModelDraw
 }
 
 absl::Status CheckRoom(const OpenModel& model, const Design& added) {
-  if (model.loose.size() >= kMostLoose) {
-    return TooLarge("the model", absl::StrCat(kMostLoose, " components that are not connected"));
+  if (model.loose.size() >= kMaxLoose) {
+    return TooLarge("the model", absl::StrCat(kMaxLoose, " components that are not connected"));
   }
   std::size_t parts = PartsOf(added).size();
   if (model.body) parts += PartsOf(model.body->design).size();
   for (const OpenLoose& loose : model.loose) parts += PartsOf(loose.part.design).size();
-  if (parts <= kMostParts) return absl::OkStatus();
-  return TooLarge("the model", absl::StrCat(kMostParts, " parts"));
+  if (parts <= kMaxParts) return absl::OkStatus();
+  return TooLarge("the model", absl::StrCat(kMaxParts, " parts"));
 }
 
 // The component as it was asked for: its sizes, and where it is dropped.

@@ -22,8 +22,8 @@ namespace mortise::composer::methods {
 namespace {
 
 constexpr int kUsualWidth = 1000;  // pixels
-constexpr int kLeastPixels = 16;
-constexpr int kMostPixels = 4096;
+constexpr int kMinPixels = 16;
+constexpr int kMaxPixels = 4096;
 
 absl::Status CheckNewModel(const std::string& id, const std::string& title) {
   std::vector<FieldViolation> findings;
@@ -164,9 +164,9 @@ absl::StatusOr<v1::ModelPicture> DrawModel(const Composer& composer, const rpc::
   const int height = asked.height() == 0 ? width * 3 / 4 : asked.height();
   std::vector<FieldViolation> findings;
   const auto check = [&](const char* field, int pixels) {
-    if (pixels >= kLeastPixels && pixels <= kMostPixels) return;
+    if (pixels >= kMinPixels && pixels <= kMaxPixels) return;
     findings.push_back(
-        {field, absl::StrCat("must be ", kLeastPixels, " to ", kMostPixels, " pixels")});
+        {field, absl::StrCat("must be ", kMinPixels, " to ", kMaxPixels, " pixels")});
   };
   check("width", width);
   if (asked.height() != 0) check("height", height);
@@ -177,7 +177,7 @@ absl::StatusOr<v1::ModelPicture> DrawModel(const Composer& composer, const rpc::
   v1::ModelPicture picture;
   picture.set_revision(stored.head.revision());
   MORTISE_ASSIGN_OR_RETURN(*picture.mutable_png(), DrawPicture(model, composer.drawings, width,
-                                                               std::max(height, kLeastPixels)));
+                                                               std::max(height, kMinPixels)));
   return picture;
 }
 

@@ -316,7 +316,7 @@ class Snapper {
       const double after = !aligned || Deforms(*first.plane, *aligned)
                                ? std::numeric_limits<double>::infinity()
                                : OverlapAt(*aligned);
-      if (after > overlap + kMostOverlap) {
+      if (after > overlap + kMaxOverlap) {
         given_up.insert(first.plane);
         continue;
       }

@@ -99,7 +99,7 @@ class BinCompletion {
                  int64_t smallest_left_out) {
     const int64_t capacity = problem_.types[e.type].capacity;
     if (filled + e.rest[s] < e.least_filled || steps_-- <= 0) return;
-    if (e.patterns->size() >= kMostPatterns) {
+    if (e.patterns->size() >= kMaxPatterns) {
       truncated_ = true;
       return;
     }
@@ -119,7 +119,7 @@ class BinCompletion {
     }
   }
 
-  static constexpr std::size_t kMostPatterns = 20000;  // in one node, to bound memory
+  static constexpr std::size_t kMaxPatterns = 20000;  // in one node, to bound memory
 
   const PackingProblem& problem_;
   Solution* best_;

@@ -13,13 +13,11 @@ namespace {
 
 constexpr double kUnitsPerMetre = 1e9;  // rounding stays below what matters for many parts
 constexpr double kUnitsPerCost = 1e4;
-constexpr double kLargestLength = 1e3;  // m; longer stock is a slip of the keyboard
+constexpr double kMaxLength = 1e3;  // m; longer stock is a slip of the keyboard
 
 int64_t ToUnits(double metres) { return std::llround(metres * kUnitsPerMetre); }
 
-bool IsLength(double value) {
-  return std::isfinite(value) && value >= 0 && value <= kLargestLength;
-}
+bool IsLength(double value) { return std::isfinite(value) && value >= 0 && value <= kMaxLength; }
 
 absl::Status CheckInput(const std::vector<CrosscutPart>& parts,
                         const std::vector<StockLength>& stock, const CuttingStockOptions& options) {

@@ -14,7 +14,7 @@ namespace mortise::fabplanner {
 namespace {
 
 constexpr double kTolerance = 1e-9;          // m
-constexpr double kLargestLength = 1e3;       // m
+constexpr double kMaxLength = 1e3;           // m
 constexpr std::size_t kManyOutlines = 2000;  // past this, one order and one measure suffice
 
 struct Bounds {
@@ -31,9 +31,7 @@ Bounds BoundsOf(const std::vector<Eigen::Vector2d>& outline) {
   return bounds;
 }
 
-bool IsLength(double value) {
-  return std::isfinite(value) && value >= 0 && value <= kLargestLength;
-}
+bool IsLength(double value) { return std::isfinite(value) && value >= 0 && value <= kMaxLength; }
 
 absl::Status CheckOutline(const SheetOutline& outline, const Eigen::Vector2d& usable,
                           const SheetStock& stock, std::size_t index) {

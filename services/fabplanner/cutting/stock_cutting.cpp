@@ -26,7 +26,7 @@ namespace {
 using StockKey = std::tuple<std::string, int64_t, int64_t>;
 using PartsByStock = std::map<StockKey, std::vector<const Part*>>;
 
-constexpr double kLeastCost = 1e-4;  // of a piece that costs nothing
+constexpr double kMinCost = 1e-4;  // of a piece that costs nothing
 
 int64_t Micrometres(double metres) { return std::llround(metres * 1e6); }
 
@@ -76,7 +76,7 @@ std::optional<std::vector<double>> CostsOf(const Item& item, const std::vector<S
     const PiecePrice price = PriceOf(item, size);
     if (!price.is_known || item.price.currency.empty()) return std::nullopt;
     // What costs nothing is dearer than nothing, so that no more of it is taken than is needed.
-    costs.push_back(std::max(price.price.value_or(item.price.amount), kLeastCost));
+    costs.push_back(std::max(price.price.value_or(item.price.amount), kMinCost));
   }
   return costs;
 }

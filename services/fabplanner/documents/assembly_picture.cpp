@@ -18,7 +18,7 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr int kMostPegsDrawn = 400;
+constexpr int kMaxPegsDrawn = 400;
 
 // How two parts of a step are joined, seen from one of them.
 struct Joint {
@@ -156,7 +156,7 @@ void AddPegsAndArrows(const Design& design, const AssemblyStep& step, const Expl
     sum += peg.position;
     ++count;
     pegs.emplace(peg.connection, &peg);
-    if (++drawn > kMostPegsDrawn) continue;
+    if (++drawn > kMaxPegsDrawn) continue;
     // The peg stands in the part that moves less.
     const Eigen::Vector3d own = explosion.Of(peg.part), other = explosion.Of(peg.other_part);
     const Eigen::Vector3d face = peg.position + (own.norm() > other.norm() ? other : own);

@@ -25,17 +25,17 @@ struct Alike {
   std::vector<std::string> labels;
 };
 
-constexpr std::size_t kMostLabels = 12;
+constexpr std::size_t kMaxLabels = 12;
 
 // "board-1", or "board-1, 3, 5, 7 (4 alike)".
 std::string LabelsText(const Alike& alike) {
   std::string text = alike.labels.front();
   if (alike.labels.size() == 1) return text;
-  for (std::size_t i = 1; i < std::min(alike.labels.size(), kMostLabels); ++i) {
+  for (std::size_t i = 1; i < std::min(alike.labels.size(), kMaxLabels); ++i) {
     const std::string& label = alike.labels[i];
     absl::StrAppend(&text, ", ", label.substr(label.rfind('-') + 1));
   }
-  if (alike.labels.size() > kMostLabels) absl::StrAppend(&text, " …");
+  if (alike.labels.size() > kMaxLabels) absl::StrAppend(&text, " …");
   return absl::StrCat(text, " (", alike.labels.size(), " alike)");
 }
 

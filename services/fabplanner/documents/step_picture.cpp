@@ -14,7 +14,7 @@ namespace {
 constexpr double kApart = 0.16;        // of the step's diagonal: how far what comes in is drawn
 constexpr double kScrewsApart = 0.09;  // how far screws are
 constexpr double kNear = 1e-3;         // m, within which a connector lies at a part
-constexpr std::size_t kMostArrows = 24;
+constexpr std::size_t kMaxArrows = 24;
 
 class StepScene {
  public:
@@ -44,7 +44,7 @@ class StepScene {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d view, ChooseView(scene_));
     for (const std::string& name : step_.connectors) AddConnector(name);
     for (const AssemblyStep::Move& move : step_.moves) {
-      if (scene_.lines.size() < kMostArrows) AddArrow(move);
+      if (scene_.lines.size() < kMaxArrows) AddArrow(move);
     }
     return RenderStep(std::move(scene_), view);
   }

@@ -143,10 +143,10 @@ absl::Status CheckConnected(const Design& design, Groups& groups) {
 absl::StatusOr<std::vector<AssemblyStep>> StepsByShape(const Design& design, const Items& items,
                                                        const std::vector<Mark>& marks,
                                                        const std::stop_token& stop) {
-  if (design.parts.size() > kMostOrderedParts) {
+  if (design.parts.size() > kMaxOrderedParts) {
     return TooLarge(
         absl::StrCat("the order in which ", design.parts.size(), " parts are put together"),
-        absl::StrCat(kMostOrderedParts, " parts in one design"));
+        absl::StrCat(kMaxOrderedParts, " parts in one design"));
   }
   std::vector<AssemblyStep> steps = OrderedSteps(design, items, marks, stop);
   if (stop.stop_requested()) return absl::CancelledError("the ordering of the steps was stopped");

@@ -16,7 +16,7 @@ namespace mortise::fabplanner {
 
 // The most parts that a design may have whose order follows from their shapes: it takes their
 // number cubed.
-inline constexpr std::size_t kMostOrderedParts = 2000;
+inline constexpr std::size_t kMaxOrderedParts = 2000;
 
 // Returns the steps, numbered 1, 2, 3 …. For a design whose connectors are parts, or that has parts
 // of no item or sub-assemblies, they are those of assembly_order.h. Otherwise they go by priority:
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostOrderedParts = 2000;
 // step. INVALID_ARGUMENT if a connection names an unknown part, joins a part to itself or has pegs
 // of differing priorities; FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the
 // connections leave loose. `marks`: of the design's holes. Of those of assembly_order.h:
-// RESOURCE_EXHAUSTED past kMostOrderedParts, CANCELLED once a stop is requested.
+// RESOURCE_EXHAUSTED past kMaxOrderedParts, CANCELLED once a stop is requested.
 absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
                                                         const std::vector<Mark>& marks = {},
                                                         const std::stop_token& stop = {});

@@ -14,7 +14,7 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr double kLargestAmount = 1e12;
+constexpr double kMaxAmount = 1e12;
 
 double RoundToCent(double amount) { return std::round(amount * 100) / 100; }
 
@@ -51,7 +51,7 @@ BillLine MakeLine(const Item& item, const Purchase& purchase) {
 }
 
 bool IsAmount(double amount) {
-  return std::isfinite(amount) && amount >= 0 && amount <= kLargestAmount;
+  return std::isfinite(amount) && amount >= 0 && amount <= kMaxAmount;
 }
 
 }  // namespace

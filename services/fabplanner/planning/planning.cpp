@@ -23,7 +23,7 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr double kLargestRule = 1.0;  // m
+constexpr double kMaxRule = 1.0;  // m
 
 // The lines of what is made to drawing: alike parts are one.
 void AddLinesToDrawing(const Design& design, FabricationPlan* plan) {
@@ -82,7 +82,7 @@ void AddHandwork(FabricationPlan* plan) {
 absl::Status CheckRules(const WorkshopRules& rules) {
   std::vector<FieldViolation> violations;
   const auto check = [&](const char* field, double value) {
-    const bool usable = std::isfinite(value) && value >= 0 && value <= kLargestRule;
+    const bool usable = std::isfinite(value) && value >= 0 && value <= kMaxRule;
     if (!usable) violations.push_back({field, "must be a length of 0 to 1 m"});
     return usable;
   };
@@ -106,9 +106,9 @@ absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& item
                                          const WorkshopRules& rules, const std::stop_token& stop) {
   MORTISE_RETURN_IF_ERROR(CheckRules(rules));
   if (quantity < 1 || quantity > 1000) return InvalidField("quantity", "must be 1 to 1000");
-  if (static_cast<int64_t>(design.parts.size()) * quantity > kMostParts) {
+  if (static_cast<int64_t>(design.parts.size()) * quantity > kMaxParts) {
     return TooLarge(absl::StrCat(design.parts.size(), " parts times ", quantity),
-                    absl::StrCat(kMostParts, " parts in a plan"));
+                    absl::StrCat(kMaxParts, " parts in a plan"));
   }
   FabricationPlan plan;
   plan.quantity = quantity;

@@ -1,7 +1,7 @@
 // What the methods of FabPlannerService stand on. All of it outlives them.
 #pragma once
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 namespace mortise::rpc {
@@ -19,7 +19,7 @@ class ShopFloor;
 
 struct FabPlanner {
   store::Store* store;
-  jobs::Operations* operations;
+  operations::Operations* operations;
   rpc::Dispatcher* dispatcher;
   store::BlobFolder* blobs;       // files of plans
   const PlanOperation* planning;  // what CreatePlan starts

@@ -46,15 +46,15 @@ class FabPlannerAdapter final : public v1::FabPlannerService::CallbackService {
 
   absl::Status Open() {
     MORTISE_RETURN_IF_ERROR(floor_.Open());
-    planner_.operations->Register(jobs::kPlanOperation, [this](jobs::OperationContext& context) {
-      return planning_.Run(context);
-    });
     planner_.operations->Register(
-        jobs::kWorkOrderOperation,
-        [this](jobs::OperationContext& context) {
+        operations::kPlanOperation,
+        [this](operations::OperationContext& context) { return planning_.Run(context); });
+    planner_.operations->Register(
+        operations::kWorkOrderOperation,
+        [this](operations::OperationContext& context) {
           return RunWorkOrder(context, *planner_.operations, *planner_.store, floor_);
         },
-        [this](store::Transaction& transaction, const jobs::Operation& operation) {
+        [this](store::Transaction& transaction, const operations::Operation& operation) {
           methods::RefreshAfterCommit(planner_, operation.subject, transaction);
           return CancelOrder(operation.subject, transaction);
         });

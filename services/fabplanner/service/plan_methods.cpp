@@ -30,9 +30,9 @@ absl::StatusOr<v1::Operation> CreatePlan(const FabPlanner& planner, const rpc::C
                                          const v1::CreatePlanRequest& asked, const CheckedPlan&,
                                          store::Transaction& transaction) {
   MORTISE_ASSIGN_OR_RETURN(
-      const jobs::Operation operation,
-      planner.operations->Start(
-          transaction, rpc::OperationOf(call, jobs::kPlanOperation, asked.template_(), asked)));
+      const operations::Operation operation,
+      planner.operations->Start(transaction, rpc::OperationOf(call, operations::kPlanOperation,
+                                                              asked.template_(), asked)));
   return rpc::ToProto(operation);
 }
 

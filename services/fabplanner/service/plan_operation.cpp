@@ -32,7 +32,7 @@ namespace {
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr char kStepFile[] = "design.step";
-constexpr std::size_t kLargestExport = 256u << 20;  // bytes
+constexpr std::size_t kMaxExport = 256u << 20;  // bytes
 
 // Whether it is not the design that is at fault.
 bool MayPass(const absl::Status& status) {
@@ -68,7 +68,8 @@ absl::Status StorePlan(store::Transaction& transaction, v1::Plan* plan) {
 }
 
 // Empty if there is no such plan.
-absl::StatusOr<std::string> FindStored(const std::string& id, jobs::OperationContext& context) {
+absl::StatusOr<std::string> FindStored(const std::string& id,
+                                       operations::OperationContext& context) {
   std::string stored;
   MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
     const absl::StatusOr<store::Record> record = transaction.Get(kPlans.kind, id);
@@ -87,7 +88,7 @@ struct PlannedDesign {
 absl::StatusOr<PlannedDesign> PlanDesign(const v1::CreatePlanRequest& request,
                                          const v1::EvaluatedDesign& evaluated,
                                          const v1::TemplateBundle& bundle,
-                                         jobs::OperationContext& context) {
+                                         operations::OperationContext& context) {
   PlannedDesign planned;
   MORTISE_ASSIGN_OR_RETURN(planned.design, DesignFrom(evaluated));
   AddDrawing(bundle.assembly(), &planned.design);
@@ -106,7 +107,7 @@ struct DrawnFiles {
 };
 
 absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const v1::Template& origin,
-                                     jobs::OperationContext& context) {
+                                     operations::OperationContext& context) {
   DrawnFiles drawn;
   const auto tell = [&](int done, int total) {
     drawn.total = total;
@@ -166,7 +167,7 @@ absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
 }
 
 absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
-    const v1::CreatePlanRequest& request, jobs::OperationContext& context) const {
+    const v1::CreatePlanRequest& request, operations::OperationContext& context) const {
   MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
   const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
   const rpc::Origin origin =
@@ -195,7 +196,7 @@ absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
 }
 
 absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest& request,
-                                                  jobs::OperationContext& context) const {
+                                                  operations::OperationContext& context) const {
   MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
   const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
   rpc::RetryOptions retry;
@@ -212,7 +213,7 @@ absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest&
         const auto chunks = catalog->ExportDesign(call, request);
         for (v1::Chunk chunk; !too_large && chunks->Read(&chunk);) {
           bytes += chunk.data();
-          too_large = bytes.size() > kLargestExport;
+          too_large = bytes.size() > kMaxExport;
         }
         if (too_large) call->TryCancel();
         return chunks->Finish();
@@ -223,7 +224,7 @@ absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest&
 }
 
 absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,
-                                                     jobs::OperationContext& context) const {
+                                                     operations::OperationContext& context) const {
   v1::ExportDesignRequest request;
   request.set_name(design.template_());
   request.set_revision(design.template_revision());
@@ -234,7 +235,7 @@ absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& 
 
 absl::StatusOr<std::string> PlanOperation::AttachStep(const v1::EvaluatedDesign& design,
                                                       FabricationPlan* plan,
-                                                      jobs::OperationContext& context) const {
+                                                      operations::OperationContext& context) const {
   if (!HasDrawings(*plan)) return "";
   absl::StatusOr<std::string> step = FetchStep(design, context);
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
@@ -262,7 +263,7 @@ absl::Status PlanOperation::KeepFiles(const std::vector<PlanFile>& files, v1::Pl
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) const {
+absl::StatusOr<std::string> PlanOperation::Run(operations::OperationContext& context) const {
   v1::CreatePlanRequest request;
   if (!request.ParseFromString(context.request())) {
     return StorageFailed(context.name(), "the request is not readable");
@@ -286,9 +287,9 @@ absl::StatusOr<std::string> PlanOperation::Run(jobs::OperationContext& context) 
   plan = MessageOf(id, planned, inputs.design);
   rpc::SetTagsAndCreator(context.operation(), &plan);
   MORTISE_RETURN_IF_ERROR(KeepFiles(drawn.files, &plan));
-  if (plan.ByteSizeLong() > kMostMessageBytes) {
+  if (plan.ByteSizeLong() > kMaxMessageBytes) {
     return TooLarge(absl::StrCat("a plan of ", plan.ByteSizeLong(), " bytes"),
-                    absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
+                    absl::StrCat(kMaxMessageBytes, " bytes; plan fewer copies at a time"));
   }
   MORTISE_RETURN_IF_ERROR(context.Transact(
       [&](store::Transaction& transaction) { return StorePlan(transaction, &plan); }));

@@ -44,7 +44,7 @@ class PlanOperation {
   absl::Status CheckDesign(const v1::CreatePlanRequest& request, const rpc::Origin& origin) const;
 
   // Returns the packed v1::Plan.
-  absl::StatusOr<std::string> Run(jobs::OperationContext& context) const;
+  absl::StatusOr<std::string> Run(operations::OperationContext& context) const;
 
  private:
   struct Inputs {
@@ -53,17 +53,17 @@ class PlanOperation {
   };
   // Returns the bytes of a file that the catalog exports.
   absl::StatusOr<std::string> Export(const v1::ExportDesignRequest& request,
-                                     jobs::OperationContext& context) const;
+                                     operations::OperationContext& context) const;
   absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
-                                     jobs::OperationContext& context) const;
+                                     operations::OperationContext& context) const;
   // Returns the design as a STEP file; empty for what has no exact surfaces, such as a mesh in a
   // cage.
   absl::StatusOr<std::string> FetchStep(const v1::EvaluatedDesign& design,
-                                        jobs::OperationContext& context) const;
+                                        operations::OperationContext& context) const;
   // Fetches the step for a plan with drawings, which afterwards names the file among them. Where
   // the catalog cannot make it, it is empty, and the plan says so; fails if that may pass.
   absl::StatusOr<std::string> AttachStep(const v1::EvaluatedDesign& design, FabricationPlan* plan,
-                                         jobs::OperationContext& context) const;
+                                         operations::OperationContext& context) const;
   // Stores the files, and names them in the plan.
   absl::Status KeepFiles(const std::vector<PlanFile>& files, v1::Plan* plan) const;
 

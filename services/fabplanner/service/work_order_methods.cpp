@@ -93,7 +93,7 @@ absl::StatusOr<v1::Operation> ReleaseWorkOrder(const FabPlanner& planner, const 
     return TooLarge("another work order",
                     absl::StrCat(planner.most_orders, " under way at a time"));
   }
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
                            ReleaseOrder(call, asked, *planner.operations, transaction));
   RefreshAfterCommit(planner, operation.subject, transaction);
   return rpc::ToProto(operation);

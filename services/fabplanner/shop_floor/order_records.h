@@ -21,7 +21,7 @@ inline constexpr resources::Collection<v1::WorkOrder> kOrders{
     .names = "workOrders", .kind = "workOrders", .event = "workOrder"};
 
 // Largest message that is stored and sent, below gRPC's 4 MiB, bytes.
-inline constexpr int kMostMessageBytes = 4000000;
+inline constexpr int kMaxMessageBytes = 4000000;
 
 // Writes the order's record; `order` has no cuts.
 absl::Status PutOrder(store::Transaction& transaction, const v1::WorkOrder& order);

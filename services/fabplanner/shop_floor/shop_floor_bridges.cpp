@@ -15,14 +15,14 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr std::size_t kLongestMachineName = 63;
-constexpr std::size_t kLongestMachineState = 63;
-constexpr std::size_t kLongestReason = 1000;
-constexpr int kMostMachines = 100;  // at one bridge
+constexpr std::size_t kMaxMachineNameLength = 63;
+constexpr std::size_t kMaxMachineStateLength = 63;
+constexpr std::size_t kMaxReasonLength = 1000;
+constexpr int kMaxMachines = 100;  // at one bridge
 
 // 1 to 63 letters, digits, '-', '_' and '.'.
 bool IsMachineName(const std::string& name) {
-  return !name.empty() && name.size() <= kLongestMachineName &&
+  return !name.empty() && name.size() <= kMaxMachineNameLength &&
          std::all_of(name.begin(), name.end(), [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                   c == '-' || c == '_' || c == '.';
@@ -31,8 +31,8 @@ bool IsMachineName(const std::string& name) {
 
 absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>& machines,
                            const std::string& path) {
-  if (machines.size() > kMostMachines) {
-    return InvalidField(path, absl::StrCat("has more than ", kMostMachines, " entries"));
+  if (machines.size() > kMaxMachines) {
+    return InvalidField(path, absl::StrCat("has more than ", kMaxMachines, " entries"));
   }
   std::set<std::string> names;
   for (int i = 0; i < machines.size(); ++i) {
@@ -42,10 +42,10 @@ absl::Status CheckMachines(const google::protobuf::RepeatedPtrField<v1::Machine>
       return InvalidField(absl::StrCat(field, ".name"),
                           "must be 1 to 63 letters, digits, '-', '_' and '.'");
     }
-    if (machine.state().size() > kLongestMachineState) {
+    if (machine.state().size() > kMaxMachineStateLength) {
       return InvalidField(absl::StrCat(field, ".state"), "is longer than 63 bytes");
     }
-    if (machine.held_because().size() > kLongestReason) {
+    if (machine.held_because().size() > kMaxReasonLength) {
       return InvalidField(absl::StrCat(field, ".held_because"), "is longer than 1000 bytes");
     }
     if (!names.insert(machine.name()).second) {

@@ -48,10 +48,10 @@ absl::StatusOr<v1::WorkOrder> ChangeState(const std::string& name, store::Transa
 
 }  // namespace
 
-absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
-                                             const v1::ReleaseWorkOrderRequest& request,
-                                             jobs::Operations& operations,
-                                             store::Transaction& transaction) {
+absl::StatusOr<operations::Operation> ReleaseOrder(const rpc::Call& call,
+                                                   const v1::ReleaseWorkOrderRequest& request,
+                                                   operations::Operations& operations,
+                                                   store::Transaction& transaction) {
   MORTISE_RETURN_IF_ERROR(
       CombineViolations(ParseResourceName(request.plan(), kPlans.names, "plan").status(),
                         resources::ValidateTags(request)));
@@ -76,14 +76,14 @@ absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
     bytes += ToProto(cuts[i], order.name()).ByteSizeLong() + kGrowthOfACut;
     MORTISE_RETURN_IF_ERROR(PutCut(transaction, order.name(), static_cast<int>(i), cuts[i]));
   }
-  if (bytes > kMostMessageBytes) {
+  if (bytes > kMaxMessageBytes) {
     return TooLarge(absl::StrCat("a work order of ", cuts.size(), " cuts"),
-                    absl::StrCat(kMostMessageBytes, " bytes; plan fewer copies at a time"));
+                    absl::StrCat(kMaxMessageBytes, " bytes; plan fewer copies at a time"));
   }
   MORTISE_ASSIGN_OR_RETURN(
-      jobs::Operation operation,
-      operations.Start(transaction, rpc::OperationOf(call, jobs::kWorkOrderOperation, order.name(),
-                                                     request, order.name())));
+      operations::Operation operation,
+      operations.Start(transaction, rpc::OperationOf(call, operations::kWorkOrderOperation,
+                                                     order.name(), request, order.name())));
   order.set_operation(operation.name);
   MORTISE_RETURN_IF_ERROR(PutOrder(transaction, order));
   MORTISE_RETURN_IF_ERROR(AppendOrderEvent(transaction, order));
@@ -107,8 +107,8 @@ absl::Status CancelOrder(const std::string& name, store::Transaction& transactio
       .status();
 }
 
-absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
-                                         jobs::Operations& operations, store::Store& store,
+absl::StatusOr<std::string> RunWorkOrder(operations::OperationContext& context,
+                                         operations::Operations& operations, store::Store& store,
                                          ShopFloor& floor) {
   const std::string name = context.request();
   // Whatever else goes wrong here, a bridge that attaches makes good; the order goes on.
@@ -128,7 +128,7 @@ absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
     }
     if (IsFinal(standing.state)) break;
     if (!context.Cancelled()) continue;
-    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, operations.Get(context.name()));
+    MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation, operations.Get(context.name()));
     if (operation.cancel_requested) MORTISE_RETURN_IF_ERROR(floor.Cancel(name));
     return absl::CancelledError("the work order was cancelled");
   }

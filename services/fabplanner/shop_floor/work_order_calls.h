@@ -18,10 +18,10 @@ namespace mortise::fabplanner {
 // caller's transaction; both have the tags of the request and the caller as their creator.
 // INVALID_ARGUMENT naming the fields at fault; NOT_FOUND; FAILED_PRECONDITION, NOTHING_TO_CUT;
 // RESOURCE_EXHAUSTED for orders that outgrow a message.
-absl::StatusOr<jobs::Operation> ReleaseOrder(const rpc::Call& call,
-                                             const v1::ReleaseWorkOrderRequest& request,
-                                             jobs::Operations& operations,
-                                             store::Transaction& transaction);
+absl::StatusOr<operations::Operation> ReleaseOrder(const rpc::Call& call,
+                                                   const v1::ReleaseWorkOrderRequest& request,
+                                                   operations::Operations& operations,
+                                                   store::Transaction& transaction);
 
 // Pauses an order, or lets it go on; returns the order with its cuts. NOT_FOUND;
 // FAILED_PRECONDITION, WORK_ORDER_FINISHED. ShopFloor::Refresh must follow the commit.
@@ -35,8 +35,8 @@ absl::Status CancelOrder(const std::string& name, store::Transaction& transactio
 // Runs the operation of an order: waits until it ends. The packed v1::WorkOrder, or why it failed
 // (FAILED_PRECONDITION, CUT_FAILED). Cancelling the operation cancels the order; a shutdown leaves
 // it to be waited for again.
-absl::StatusOr<std::string> RunWorkOrder(jobs::OperationContext& context,
-                                         jobs::Operations& operations, store::Store& store,
+absl::StatusOr<std::string> RunWorkOrder(operations::OperationContext& context,
+                                         operations::Operations& operations, store::Store& store,
                                          ShopFloor& floor);
 
 }  // namespace mortise::fabplanner

@@ -12,7 +12,7 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr std::size_t kMostKinds = 16;
+constexpr std::size_t kMaxKinds = 16;
 constexpr char kOther[] = "OTHER";
 
 bool IsOfNumber(char c) { return absl::ascii_isdigit(static_cast<unsigned char>(c)); }
@@ -61,7 +61,7 @@ void FailureTally::Add(const Evaluation& evaluation) {
   std::string reason = ReasonOf(failed);
   std::string key = absl::StrCat(reason, " ", WithoutNumbers(failed.message));
   auto at = std::find(keys_.begin(), keys_.end(), key);
-  if (at == keys_.end() && keys_.size() + 1 >= kMostKinds) {
+  if (at == keys_.end() && keys_.size() + 1 >= kMaxKinds) {
     key = reason = kOther;
     at = std::find(keys_.begin(), keys_.end(), key);
   }

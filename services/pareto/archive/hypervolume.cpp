@@ -261,8 +261,8 @@ double QuickHypervolume(const std::vector<Eigen::VectorXd>& points,
                         const Eigen::VectorXd& reference, int samples) {
   // How long a pair of points takes in units of half a sample's comparison with a point, as
   // measured.
-  constexpr std::array<double, kMostMetrics + 1> kEffort = {0, 0, 0, 0, 16, 80, 800};
-  const double effort = kEffort[static_cast<std::size_t>(std::min(reference.size(), kMostMetrics))];
+  constexpr std::array<double, kMaxMetrics + 1> kEffort = {0, 0, 0, 0, 16, 80, 800};
+  const double effort = kEffort[static_cast<std::size_t>(std::min(reference.size(), kMaxMetrics))];
   return static_cast<double>(points.size()) * effort <= samples
              ? Hypervolume(points, reference)
              : SampledHypervolume(points, reference, samples);

@@ -6,7 +6,7 @@
 
 namespace mortise::pareto {
 
-inline constexpr Eigen::Index kMostMetrics = 6;
+inline constexpr Eigen::Index kMaxMetrics = 6;
 
 // Returns the measure of { y : p <= y <= reference for some p in points }, exactly, for d of 1 to 6
 // metrics (minimised). Points that are not below `reference` in every metric add nothing, nor do

@@ -8,7 +8,7 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kLeastCells = 3;  // per angle, of a buffer that can become coarser
+constexpr int kMinCells = 3;  // per angle, of a buffer that can become coarser
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void PerformanceBuffer::Rebuild(const Archive& archive, const Scaling& scaling) 
 }
 
 bool PerformanceBuffer::MayCoarsen() const {
-  return options_.cell_limit > 0 && cells_per_angle_ >= kLeastCells;
+  return options_.cell_limit > 0 && cells_per_angle_ >= kMinCells;
 }
 
 void PerformanceBuffer::Refill(const Archive& archive) {

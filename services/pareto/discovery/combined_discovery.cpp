@@ -19,7 +19,7 @@ constexpr double kLately = 100;              // evaluations
 constexpr double kOpeningShare = 0.35;       // of the budget
 constexpr double kSpaceFillingShare = 0.15;  // the same for the space-filling designs
 constexpr double kTransplantShare = 0.1;     // and for the first transplants
-constexpr std::int64_t kMostTransplants = 3;
+constexpr std::int64_t kMaxTransplants = 3;
 
 std::vector<double> Key(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
 
@@ -89,7 +89,7 @@ void CombinedDiscovery::MakeOpening() {
     samples = std::clamp<std::int64_t>(static_cast<std::int64_t>(kSpaceFillingShare * budget / all),
                                        1, (size + 4) / 2);
     transplants_ = static_cast<std::size_t>(std::clamp<std::int64_t>(
-        static_cast<std::int64_t>(kTransplantShare * budget / all), 1, kMostTransplants));
+        static_cast<std::int64_t>(kTransplantShare * budget / all), 1, kMaxTransplants));
   }
   const std::int64_t least = samples + static_cast<std::int64_t>(transplants_);
   std::int64_t opened = static_cast<std::int64_t>(kOpeningShare * budget) / least;

@@ -11,8 +11,8 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kLeastShare = 0.15;    // of all combinations together, more for nearer ones
-constexpr double kMostInAdvance = 0.5;  // evaluations
+constexpr double kMinShare = 0.15;     // of all combinations together, more for nearer ones
+constexpr double kMaxInAdvance = 0.5;  // evaluations
 constexpr double kTransplants = 0.1;
 constexpr double kTransplantsToOpen = 0.25;  // while there are combinations that were not opened
 constexpr double kNear = 0.05;               // to the front, scaled performance
@@ -26,9 +26,9 @@ constexpr double kLooks[] = {0.6, 0.9};   // of the budget
 constexpr double kLookShare = 0.03;       // of the budget, for each
 constexpr std::size_t kLookTransplants = 2;  // of a combination
 constexpr std::int64_t kEvaluationsATransplant = 6;
-constexpr std::size_t kMostRungTransplants = 12;
-constexpr std::size_t kMostSources = 32;
-constexpr std::size_t kMostOnFront = 64;
+constexpr std::size_t kMaxRungTransplants = 12;
+constexpr std::size_t kMaxSources = 32;
+constexpr std::size_t kMaxOnFront = 64;
 constexpr std::size_t kLearntFrom = 300;  // evaluations
 constexpr double kWorstLearnt = 3;        // scaled performance
 constexpr std::size_t kTransplantedAtOnce = 4;
@@ -110,12 +110,12 @@ Eigen::VectorXd CombinedDiscovery::Transplanted(std::size_t source, const Member
 std::vector<Eigen::VectorXd> CombinedDiscovery::Transplants(const Member& member,
                                                             std::size_t most) {
   if (most == 0 || archive_.evaluated_count() == 0) return {};
-  const std::vector<std::size_t> sources = Sources(&member, kMostSources);
+  const std::vector<std::size_t> sources = Sources(&member, kMaxSources);
   if (sources.empty()) return {};
   const Scaling scaling = archive_.CurrentScaling();
   const CombinationModel model = LearntModel();
   std::vector<Eigen::VectorXd> front;
-  for (const std::size_t entry : Sources(nullptr, kMostOnFront)) {
+  for (const std::size_t entry : Sources(nullptr, kMaxOnFront)) {
     front.push_back(scaling.Apply(archive_[entry].metrics));
   }
   std::vector<std::pair<double, std::size_t>> expected;
@@ -206,7 +206,7 @@ std::vector<double> CombinedDiscovery::Shares(const std::vector<std::size_t>& me
   const double nearness = std::accumulate(near.begin(), near.end(), 0.0);
   const bool more = static_cast<std::int64_t>(members_.size()) < combinations_.count();
   const double transplants = more ? kTransplantsToOpen : kTransplants;
-  const double least = sum > 0 ? kLeastShare : 1 - transplants;
+  const double least = sum > 0 ? kMinShare : 1 - transplants;
   for (std::size_t k = 0; k < rates.size(); ++k) {
     rates[k] =
         (sum > 0 ? (1 - least - transplants) * rates[k] / sum : 0) + least * near[k] / nearness;
@@ -228,7 +228,7 @@ std::optional<CombinedDiscovery::Next> CombinedDiscovery::AskShared() {
   std::ranges::sort(order);
   std::optional<Next> next;
   for (const auto& [less, k] : order) {
-    if (less > kMostInAdvance && !window_.under_way().empty()) break;
+    if (less > kMaxInAdvance && !window_.under_way().empty()) break;
     if (k == members.size()) {
       next = AskTransplant();
     } else if (auto design = AskOf(members_[members[k]])) {
@@ -286,7 +286,7 @@ bool CombinedDiscovery::PlanFor(Member& member) {
                             2 * (static_cast<std::int64_t>(others_.size()) + 2),
                             static_cast<std::int64_t>(share * static_cast<double>(left))});
     evaluations = std::min(evaluations, left);
-    transplants = std::min(kMostRungTransplants,
+    transplants = std::min(kMaxRungTransplants,
                            static_cast<std::size_t>(evaluations / kEvaluationsATransplant));
   }
   if (evaluations <= 0 || others_.empty()) return false;
@@ -318,11 +318,11 @@ std::optional<CombinedDiscovery::Next> CombinedDiscovery::AskTransplant() {
 
 // Where the model expects most, but for one in so many at random.
 void CombinedDiscovery::ChooseTransplants() {
-  const std::vector<std::size_t> sources = Sources(nullptr, kMostSources);
+  const std::vector<std::size_t> sources = Sources(nullptr, kMaxSources);
   const Scaling scaling = archive_.CurrentScaling();
   const CombinationModel model = LearntModel();
   std::vector<Eigen::VectorXd> front;
-  for (const std::size_t entry : Sources(nullptr, kMostOnFront)) {
+  for (const std::size_t entry : Sources(nullptr, kMaxOnFront)) {
     front.push_back(scaling.Apply(archive_[entry].metrics));
   }
   struct Candidate {

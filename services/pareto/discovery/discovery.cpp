@@ -275,7 +275,7 @@ Front Discovery::front() const {
     point.x = exact == designs_.end() ? box_.DesignAt(archive_[point.entry].u) : exact->second;
     point.deviations = deviations_[point.entry];
   }
-  for (FrontPiece& piece : front.pieces) box_.Complete(piece);
+  for (FrontPiece& piece : front.pieces) box_.AddHeldParameters(piece);
   return front;
 }
 

@@ -38,7 +38,7 @@ void Discovery::LearnFromLines() {
     if (step[i] > 0) lengths[i] = 1;
   }
   archive_.UseLengths(std::move(lengths));
-  trading_ = TradingParameters(archive_, lines, scaling, SearchPolicy::kLeastTrade);
+  trading_ = TradingParameters(archive_, lines, scaling, SearchPolicy::kMinTrade);
 }
 
 // Before each metric's optimum is looked for, which begins from the best known.

@@ -17,8 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kMostDeviations = 100;
-constexpr double kLeastRange = 3;  // in units of h: room for a design with h, 2h to one side
+constexpr double kMaxDeviations = 100;
+constexpr double kMinRange = 3;  // in units of h: room for a design with h, 2h to one side
 
 // Where a parameter is evaluated beside the design, and how that makes o and e: weights of what the
 // two there differ by from the design itself.
@@ -211,10 +211,10 @@ absl::Status ValidateTolerance(const Tolerance& tolerance, const DesignSpace& ra
     return InvalidField(absl::StrCat(field, ".parameter"), "is not one of the design space");
   }
   const double width = range.upper[i] - range.lower[i];
-  if (width < kLeastRange * tolerance.step()) {
+  if (width < kMinRange * tolerance.step()) {
     return InvalidField(
         absl::StrCat(field, ".deviation"),
-        absl::StrCat("may be ", width * tolerance.deviation / (kLeastRange * tolerance.step()),
+        absl::StrCat("may be ", width * tolerance.deviation / (kMinRange * tolerance.step()),
                      " at most where '", tolerance.name, "' has a range of ", width));
   }
   return absl::OkStatus();
@@ -247,8 +247,8 @@ absl::Status Validate(const Robustness& robustness) {
       return InvalidField(absl::StrCat(field, ".parameter"), "is given twice");
     }
   }
-  if (!(robustness.deviations >= 0 && robustness.deviations <= kMostDeviations)) {
-    return InvalidField("deviations", absl::StrCat("must lie between 0 and ", kMostDeviations));
+  if (!(robustness.deviations >= 0 && robustness.deviations <= kMaxDeviations)) {
+    return InvalidField("deviations", absl::StrCat("must lie between 0 and ", kMaxDeviations));
   }
   if (robustness.deviations > 0 && robustness.tolerances.empty()) {
     return InvalidField("deviations", "no tolerances are given that metrics could deviate over");

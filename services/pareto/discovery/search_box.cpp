@@ -42,7 +42,7 @@ Eigen::MatrixXd SearchBox::UnitJacobian(const Eigen::MatrixXd& jacobian) const {
   return jacobian(Eigen::all, varying_) * sides.asDiagonal();
 }
 
-void SearchBox::Complete(FrontPiece& piece) const {
+void SearchBox::AddHeldParameters(FrontPiece& piece) const {
   Eigen::VectorXd origin = space_.lower;
   origin(varying_) = piece.origin;
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(space_.size(), piece.directions.cols());

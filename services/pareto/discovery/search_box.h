@@ -32,7 +32,7 @@ class SearchBox {
   Eigen::MatrixXd UnitJacobian(const Eigen::MatrixXd& jacobian) const;
 
   // Gives a piece, whose origin and directions are those of the parameters that can vary, all D.
-  void Complete(FrontPiece& piece) const;
+  void AddHeldParameters(FrontPiece& piece) const;
 
  private:
   DesignSpace space_;

@@ -27,7 +27,7 @@ constexpr Eigen::Index kSurrogateParameters = 40;
 constexpr double kSurrogateShare = 0.8;  // of the evaluations after the initial samples
 
 // Pieces of the front.
-constexpr std::int64_t kLargestPatch = 4;    // a patch takes at most this part of the budget
+constexpr std::int64_t kMaxPatch = 4;        // a patch takes at most this part of the budget
 constexpr std::int64_t kProbedBudget = 200;  // evaluations from which on patches probe
 constexpr int kProbedPatches = 4;            // patches that probe at a time
 constexpr int kProbes = 20;                  // of one of them
@@ -38,12 +38,12 @@ constexpr double kMeasuredShare = 0.1;       // of the budget, for slopes by dif
 constexpr double kDescentShare = 0.25;  // of the budget, for the descent
 constexpr double kTraverseShare = 0.2;  // of the budget, for traverses
 constexpr double kIdleShare = 0.26;     // of the budget, after which nothing is waited for
-constexpr double kLeastIdle = 78;       // evaluations, the least after which patience ends
+constexpr double kMinIdle = 78;         // evaluations, the least after which patience ends
 
 constexpr std::size_t kPopulation = 30;  // for each metric but one
 constexpr int kRestorationSteps = 20;    // of a design that violates constraints, at most
 
-constexpr double kMostCells = 2e9;              // so that their numbers fit 32 bits
+constexpr double kMaxCells = 2e9;               // so that their numbers fit 32 bits
 constexpr std::int64_t kEvaluationsOfCell = 4;  // where the buffer adapts
 
 }  // namespace
@@ -115,8 +115,8 @@ PatchSampling::Options SearchPolicy::Patch(std::int64_t committed, bool may_prob
   PatchSampling::Options patch;
   patch.spacing = std::max(SpacingFor(options_.evaluations), SpacingFor(committed));
   patch.tolerance = options_.delta_b;
-  patch.evaluations = static_cast<int>(
-      std::max<std::int64_t>(patch.evaluations, options_.evaluations / kLargestPatch));
+  patch.evaluations =
+      static_cast<int>(std::max<std::int64_t>(patch.evaluations, options_.evaluations / kMaxPatch));
   if (may_probe) patch.probes = kProbes;
   patch.measures = measures;
   patch.ahead = std::min(kMaxAhead, (options_.window - 1) / 2);
@@ -165,8 +165,8 @@ bool SearchPolicy::MayTraverse(std::size_t traverses, int evaluations) const {
 
 SearchPolicy::Patience SearchPolicy::PatienceAfter(std::int64_t idle) const {
   const auto waited = static_cast<double>(idle);
-  if (waited >= std::max(kLeastIdle, kIdleShare * Budget())) return Patience::kNone;
-  return waited < kLeastIdle || metric_count_ > 2 ? Patience::kAll : Patience::kOptimizations;
+  if (waited >= std::max(kMinIdle, kIdleShare * Budget())) return Patience::kNone;
+  return waited < kMinIdle || metric_count_ > 2 ? Patience::kAll : Patience::kOptimizations;
 }
 
 PerformanceBuffer::Options BufferOptions(const DiscoveryOptions& options,
@@ -178,7 +178,7 @@ PerformanceBuffer::Options BufferOptions(const DiscoveryOptions& options,
     buffer.cells_per_angle = metric_count <= 2 ? 1000 : metric_count == 3 ? 100 : 64;
   }
   if (metric_count <= 3) return buffer;
-  const double most = std::pow(kMostCells, 1 / static_cast<double>(metric_count - 1));
+  const double most = std::pow(kMaxCells, 1 / static_cast<double>(metric_count - 1));
   buffer.cells_per_angle = std::min(buffer.cells_per_angle, static_cast<int>(most));
   buffer.cell_limit = static_cast<std::size_t>(
       std::clamp<std::int64_t>(options.evaluations / kEvaluationsOfCell, 50, 4000));

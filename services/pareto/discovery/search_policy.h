@@ -33,7 +33,7 @@ class SearchPolicy {
   // Traverses along one parameter whose starts are as near as this in the others are the same.
   static constexpr double kSameTraverse = 1e-6;
   // A parameter trades metrics off if it does so by as much as this, in ranges of the front.
-  static constexpr double kLeastTrade = 0.1;
+  static constexpr double kMinTrade = 0.1;
 
   // `size` is the number of parameters that can vary. The options have been checked.
   SearchPolicy(const DiscoveryOptions& options, Eigen::Index size, Eigen::Index metric_count);

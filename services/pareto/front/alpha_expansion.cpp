@@ -14,7 +14,7 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr double kLeastGain = 1e-9;  // of energy, that a change is worth: more than rounding
+constexpr double kMinGain = 1e-9;  // of energy, that a change is worth: more than rounding
 
 // A network whose minimal cut is sought. Nodes 0 and 1 are source and sink.
 class CutNetwork {
@@ -224,7 +224,7 @@ bool Expansion::Change(const std::vector<Holder>& changing, int label) {
       change += share * problem_.weight * ((label_[j] != label_[k]) - (before[j] != before[k]));
     }
   }
-  if (!(change < -kLeastGain)) {
+  if (!(change < -kMinGain)) {
     label_ = before;
     return false;
   }

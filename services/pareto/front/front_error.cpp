@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kIterations = 60;
-constexpr double kDifference = 1e-6;      // unit coordinates
-constexpr double kLeastDecrease = 1e-17;  // of the squared distance: 1e-15 of the error
+constexpr double kDifference = 1e-6;    // unit coordinates
+constexpr double kMinDecrease = 1e-17;  // of the squared distance: 1e-15 of the error
 
 // Scaled performance over the unit box.
 class ScaledProblem {
@@ -87,7 +87,7 @@ VectorXd Nearest(const ScaledProblem& problem, const VectorXd& z, VectorXd u) {
     const VectorXd step = MinimizeBoundedQuadratic(here.gradient, hessian, (-u).cwiseMax(-radius),
                                                    (VectorXd::Ones(u.size()) - u).cwiseMin(radius));
     const double predicted = -(here.gradient.dot(step) + 0.5 * step.dot(hessian * step));
-    if (!(predicted > kLeastDecrease)) break;
+    if (!(predicted > kMinDecrease)) break;
     const VectorXd moved = (u + step).cwiseMax(0.0).cwiseMin(1.0);
     Distance there = DistanceAt(problem, z, moved);
     const double decrease = here.value - there.value;

@@ -17,9 +17,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kFitted = 6;      // points of a local frame, for each of its dimensions
-constexpr double kFlat = 1e-6;  // of the largest singular value: no direction of the front
-constexpr double kLeastVariation = 1e-3;  // of a metric along the front, in scaled performance
+constexpr int kFitted = 6;              // points of a local frame, for each of its dimensions
+constexpr double kFlat = 1e-6;          // of the largest singular value: no direction of the front
+constexpr double kMinVariation = 1e-3;  // of a metric along the front, in scaled performance
 
 absl::Status EmptyFront() {
   return PreconditionFailed("FRONT_EMPTY", "the front has no points: every evaluation failed");
@@ -198,7 +198,7 @@ std::vector<Improvement> FrontExploration::ImprovementsAt(int point) const {
     if (!(scaled_(metric, point) > 0)) continue;
     const VectorXd fastest = -frame.metrics.row(metric).transpose();
     const double gain = fastest.squaredNorm();  // of the metric, for walking by `fastest`
-    if (!(std::sqrt(gain) > kLeastVariation)) continue;
+    if (!(std::sqrt(gain) > kMinVariation)) continue;
     const VectorXd walked = fastest / (gain * metric_ranges_[metric]);
     const VectorXd change = frame.metrics * walked;
     Improvement improvement;

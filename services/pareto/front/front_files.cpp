@@ -37,7 +37,7 @@ Eigen::VectorXd Numbers(const google::protobuf::RepeatedField<double>& values) {
   return Eigen::VectorXd::Map(values.data(), values.size());
 }
 
-absl::StatusOr<render::Drawing> Drawn(const v1::Front& front) {
+absl::StatusOr<render::Drawing> DrawingOf(const v1::Front& front) {
   if (front.points().empty()) {
     return PreconditionFailed("FRONT_EMPTY", "the front has no points to draw", front.name());
   }
@@ -126,12 +126,12 @@ absl::StatusOr<std::string> FrontAsJson(const v1::Front& front) {
 }
 
 absl::StatusOr<std::string> FrontAsSvg(const v1::Front& front) {
-  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, Drawn(front));
+  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, DrawingOf(front));
   return render::DrawingSvg(drawing);
 }
 
 absl::StatusOr<std::string> FrontAsPng(const v1::Front& front) {
-  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, Drawn(front));
+  MORTISE_ASSIGN_OR_RETURN(const render::Drawing drawing, DrawingOf(front));
   MORTISE_ASSIGN_OR_RETURN(const render::Image image, render::DrawingImage(drawing));
   return render::EncodePng(image);
 }

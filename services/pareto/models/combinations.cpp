@@ -11,13 +11,13 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr std::int64_t kMostCombinations = std::int64_t{1} << 56;
+constexpr std::int64_t kMaxCombinations = std::int64_t{1} << 56;
 constexpr std::int64_t kFewValues = 8;  // of a whole number
 constexpr std::int64_t kEvaluationsACombination = 20;
 
-// The product, or kMostCombinations where it is more.
+// The product, or kMaxCombinations where it is more.
 std::int64_t Times(std::int64_t count, std::int64_t values) {
-  return count > kMostCombinations / values ? kMostCombinations : count * values;
+  return count > kMaxCombinations / values ? kMaxCombinations : count * values;
 }
 
 // How many values a whole number takes; 0 for a parameter that is none, or takes but one.

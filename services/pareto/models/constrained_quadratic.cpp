@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kMostEvaluations = 200;  // of the quadratics
-constexpr double kTolerance = 1e-9;    // of a step, relative
-constexpr double kShortness = 1e-6;    // weight of a step's length beside violations
-constexpr double kInside = 1e-7;       // how far inside of constraints steps are to end
-constexpr double kSlack = 5e-8;        // what rounding may take of that
+constexpr int kMaxEvaluations = 200;  // of the quadratics
+constexpr double kTolerance = 1e-9;   // of a step, relative
+constexpr double kShortness = 1e-6;   // weight of a step's length beside violations
+constexpr double kInside = 1e-7;      // how far inside of constraints steps are to end
+constexpr double kSlack = 5e-8;       // what rounding may take of that
 constexpr int kHalvings = 30;
 
 using Optimizer = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)>;
@@ -59,7 +59,7 @@ Optimizer MakeOptimizer(Function objective, void* data, const VectorXd& lower,
   nlopt_set_lower_bounds(optimizer.get(), lower.data());
   nlopt_set_upper_bounds(optimizer.get(), upper.data());
   nlopt_set_xtol_rel(optimizer.get(), kTolerance);
-  nlopt_set_maxeval(optimizer.get(), kMostEvaluations);
+  nlopt_set_maxeval(optimizer.get(), kMaxEvaluations);
   return optimizer;
 }
 

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastKnee = 1.25;    // above the reference of improvements
+constexpr double kMinKnee = 1.25;      // above the reference of improvements
 constexpr int kFirstEvaluations = 60;  // of the posterior density, for each start
 constexpr int kEvaluations = 25;       // from where hyperparameters were
 constexpr Index kFewPoints = 30;       // while there are so few, every one may change much
@@ -123,7 +123,7 @@ void SurrogateModel::LearnMetrics(const Archive& archive, const std::vector<std:
     scaled.col(static_cast<Index>(k)) = learnt_.scaling.Apply(archive[entries[k]].metrics);
   }
   learnt_.knees.resize(d);
-  for (Index i = 0; i < d; ++i) learnt_.knees[i] = std::max(kLeastKnee, MedianOf(scaled.row(i)));
+  for (Index i = 0; i < d; ++i) learnt_.knees[i] = std::max(kMinKnee, MedianOf(scaled.row(i)));
   kept_metrics_.resize(static_cast<std::size_t>(d));
   const MatrixXd points = PointsOf(archive, entries);
   MatrixXd values(d, points.cols());

@@ -15,7 +15,7 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kMostConstraints = 32;
+constexpr int kMaxConstraints = 32;
 constexpr double kBand = 1e-3;   // about a single value, over its size
 constexpr double kLeast = 1e-6;  // between two limits, over their size
 
@@ -82,9 +82,9 @@ std::vector<std::string> Constraint::Missed(const Eigen::Ref<const Eigen::Vector
 }
 
 absl::Status CheckConstraints(const v1::DiscoverySpecification& specification) {
-  if (specification.constraints_size() > kMostConstraints) {
+  if (specification.constraints_size() > kMaxConstraints) {
     return InvalidField("specification.constraints",
-                        absl::StrCat("at most ", kMostConstraints, " are possible, not ",
+                        absl::StrCat("at most ", kMaxConstraints, " are possible, not ",
                                      specification.constraints_size()));
   }
   std::set<std::string> names;

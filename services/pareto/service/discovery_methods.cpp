@@ -64,10 +64,10 @@ absl::StatusOr<v1::Operation> DiscoverFront(const Pareto& pareto, const rpc::Cal
                                             SettledDiscovery& settled,
                                             store::Transaction& transaction) {
   MORTISE_ASSIGN_OR_RETURN(
-      const jobs::Operation started,
+      const operations::Operation started,
       pareto.operations->Start(
           transaction,
-          rpc::OperationOf(call, jobs::kDiscoveryOperation,
+          rpc::OperationOf(call, operations::kDiscoveryOperation,
                            settled.request.specification().subject(), settled.request)));
   if (!settled.start.points().empty()) {
     const std::string id = started.name.substr(started.name.rfind('/') + 1);

@@ -39,11 +39,11 @@ constexpr char kResultKind[] = "discoveryResults";
 constexpr int kPage = 1000;
 constexpr absl::Duration kDescribePatience = absl::Minutes(10);
 constexpr absl::Duration kTrialPatience = absl::Minutes(10);
-constexpr int kMostLanes = 16;
+constexpr int kMaxLanes = 16;
 
 class DiscoveryRun {
  public:
-  DiscoveryRun(rpc::ServiceEnvironment& environment, jobs::OperationContext& context)
+  DiscoveryRun(rpc::ServiceEnvironment& environment, operations::OperationContext& context)
       : environment_(environment),
         context_(context),
         id_(context.name().substr(context.name().rfind('/') + 1)) {}
@@ -135,10 +135,10 @@ class DiscoveryRun {
     return std::move(checkpoint.results);
   }
 
-  static jobs::Progress ProgressOf(const DiscoveryProblem& problem,
-                                   const AskTell::Summary& summary) {
+  static operations::Progress ProgressOf(const DiscoveryProblem& problem,
+                                         const AskTell::Summary& summary) {
     const auto each = problem.robustness.EvaluationsPerDesign();
-    jobs::Progress progress;
+    operations::Progress progress;
     progress.done = summary.evaluations * each;
     progress.total = problem.options.evaluations * each;
     progress.best_so_far = summary.hypervolume;
@@ -171,7 +171,7 @@ class DiscoveryRun {
 
   RunOptions MakeRunOptions(const DiscoveryProblem& problem) {
     RunOptions options;
-    options.lanes = std::clamp(problem.options.window, 1, kMostLanes);
+    options.lanes = std::clamp(problem.options.window, 1, kMaxLanes);
     options.batch_size = (problem.options.window + options.lanes - 1) / options.lanes;
     options.cancelled = [this] { return context_.Cancelled(); };
     options.progress = [this, &problem](const AskTell::Summary& summary) {
@@ -179,7 +179,7 @@ class DiscoveryRun {
       context_.ReportProgress(progress_);
     };
     options.waiting = [this](std::chrono::seconds waited, int calls) {
-      jobs::Progress progress = progress_;
+      operations::Progress progress = progress_;
       progress.message = absl::StrCat(
           "waiting for ", specification().subject(), ": no answer for ", waited.count(), " s to ",
           calls, calls == 1 ? " call" : " calls", "; its workers may be busy or not running");
@@ -236,7 +236,7 @@ class DiscoveryRun {
     const bool stopped = discovery.summary().stop_reason == AskTell::StopReason::kCancelled;
     if (stopped) {
       // A shutdown, or a takeover, leaves the work to the next run.
-      MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+      MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
                                environment_.operations->Get(context_.name()));
       if (!operation.cancel_requested) return absl::CancelledError("interrupted");
     }
@@ -275,7 +275,7 @@ class DiscoveryRun {
     v1::Front front = MakeFront(problem, discovery);
     front.set_name(FrontName());
     *front.mutable_specification() = specification();
-    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+    MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
                              environment_.operations->Get(context_.name()));
     front.set_creator(operation.creator);
     resources::CopyTags(request_, &front);
@@ -319,18 +319,18 @@ class DiscoveryRun {
   }
 
   rpc::ServiceEnvironment& environment_;
-  jobs::OperationContext& context_;
+  operations::OperationContext& context_;
   std::string id_;
   v1::DiscoverFrontRequest request_;
   v1::Front start_;                           // the designs it starts from, see discovery_start.h
-  jobs::Progress progress_;                   // told last
+  operations::Progress progress_;             // told last
   std::optional<Evaluation> default_design_;  // what became of it, once it was tried
 };
 
 }  // namespace
 
 absl::StatusOr<std::string> RunDiscoveryOperation(rpc::ServiceEnvironment& environment,
-                                                  jobs::OperationContext& context) {
+                                                  operations::OperationContext& context) {
   return DiscoveryRun(environment, context).Run();
 }
 

@@ -19,6 +19,6 @@ inline constexpr char kEvaluatorPeer[] = "simulator";
 // front, with the external ids and labels of the request and who started the operation as its
 // creator, and the event `front.created`, and returns it without points.
 absl::StatusOr<std::string> RunDiscoveryOperation(rpc::ServiceEnvironment& environment,
-                                                  jobs::OperationContext& context);
+                                                  operations::OperationContext& context);
 
 }  // namespace mortise::pareto

@@ -17,12 +17,12 @@
 namespace mortise::pareto {
 namespace {
 
-constexpr int kLeastEvaluations = 10;
-constexpr int kMostEvaluations = 1'000'000;
-constexpr int kMostCells = 10'000;
-constexpr int kMostWindow = 256;
-constexpr int kMostEarlierFronts = 16;
-constexpr int kMostTolerances = 30;       // that a call of the evaluator has room for
+constexpr int kMinEvaluations = 10;
+constexpr int kMaxEvaluations = 1'000'000;
+constexpr int kMaxCells = 10'000;
+constexpr int kMaxWindow = 256;
+constexpr int kMaxEarlierFronts = 16;
+constexpr int kMaxTolerances = 30;        // that a call of the evaluator has room for
 constexpr int kToleranceEvaluations = 8;  // tolerances; with more, gradients do if they are offered
 
 using Bound = v1::DiscoverySpecification::Bound;
@@ -200,16 +200,16 @@ absl::Status AddTolerances(const v1::DiscoverySpecification& specification,
 absl::Status SetBudget(const v1::DiscoverySpecification& specification, DiscoveryProblem& problem) {
   const int each = problem.robustness.EvaluationsPerDesign();
   problem.options.evaluations = specification.evaluations() / each;
-  if (problem.options.evaluations >= kLeastEvaluations) return absl::OkStatus();
+  if (problem.options.evaluations >= kMinEvaluations) return absl::OkStatus();
   return InvalidField("specification.evaluations",
-                      absl::StrCat("at least ", kLeastEvaluations * each,
+                      absl::StrCat("at least ", kMinEvaluations * each,
                                    " are needed: with these tolerances a design takes ", each));
 }
 
 absl::Status CheckTolerances(const v1::DiscoverySpecification& specification) {
-  if (specification.tolerances_size() > kMostTolerances) {
+  if (specification.tolerances_size() > kMaxTolerances) {
     return InvalidField("specification.tolerances",
-                        absl::StrCat("at most ", kMostTolerances, " are possible, not ",
+                        absl::StrCat("at most ", kMaxTolerances, " are possible, not ",
                                      specification.tolerances_size()));
   }
   for (int k = 0; k < specification.tolerances_size(); ++k) {
@@ -270,10 +270,10 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   if (specification.revision() < 0) {
     return InvalidField("specification.revision", "must be at least 0");
   }
-  if (specification.objectives_size() < 2 || specification.objectives_size() > kMostMetrics) {
+  if (specification.objectives_size() < 2 || specification.objectives_size() > kMaxMetrics) {
     return InvalidField(
         "specification.objectives",
-        absl::StrCat("2 to ", kMostMetrics, " are needed, not ", specification.objectives_size()));
+        absl::StrCat("2 to ", kMaxMetrics, " are needed, not ", specification.objectives_size()));
   }
   std::set<std::string> names;
   for (int k = 0; k < specification.objectives_size(); ++k) {
@@ -289,9 +289,9 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
   MORTISE_RETURN_IF_ERROR(
       UnderField("specification", parametric::ReadAirflow(specification.airflow()).status()));
   names.clear();
-  if (specification.start_from_size() > kMostEarlierFronts) {
+  if (specification.start_from_size() > kMaxEarlierFronts) {
     return InvalidField("specification.start_from",
-                        absl::StrCat("at most ", kMostEarlierFronts, " are possible, not ",
+                        absl::StrCat("at most ", kMaxEarlierFronts, " are possible, not ",
                                      specification.start_from_size()));
   }
   for (int k = 0; k < specification.start_from_size(); ++k) {
@@ -311,13 +311,13 @@ absl::Status CheckSpecification(const v1::DiscoverySpecification& specification)
     }
   }
   MORTISE_RETURN_IF_ERROR(
-      CheckCount(specification.evaluations(), kLeastEvaluations, kMostEvaluations, "evaluations"));
-  MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMostCells, "cells"));
+      CheckCount(specification.evaluations(), kMinEvaluations, kMaxEvaluations, "evaluations"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(specification.cells(), 0, kMaxCells, "cells"));
   if (!v1::DiscoverySpecification::Surrogate_IsValid(specification.surrogate())) {
     return InvalidField("specification.surrogate",
                         absl::StrCat(specification.surrogate(), " is none of the known ways"));
   }
-  return CheckCount(specification.window(), 0, kMostWindow, "window");
+  return CheckCount(specification.window(), 0, kMaxWindow, "window");
 }
 
 absl::StatusOr<DiscoveryProblem> MakeProblem(const v1::DiscoverySpecification& specification,

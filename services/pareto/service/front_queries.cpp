@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kMostSteps = 1000;
+constexpr int kMaxSteps = 1000;
 
 VectorXd ToVector(const google::protobuf::RepeatedField<double>& values) {
   return VectorXd::Map(values.data(), values.size());
@@ -89,8 +89,8 @@ absl::StatusOr<int> StartOf(const OpenFront& front, const v1::PickPointRequest& 
 
 absl::StatusOr<std::vector<int>> PathFrom(int start, const OpenFront& front,
                                           const v1::PickPointRequest& request) {
-  if (request.steps() < 0 || request.steps() > kMostSteps) {
-    return InvalidField("steps", absl::StrCat("must lie between 1 and ", kMostSteps));
+  if (request.steps() < 0 || request.steps() > kMaxSteps) {
+    return InvalidField("steps", absl::StrCat("must lie between 1 and ", kMaxSteps));
   }
   if (request.improve().empty()) {
     if (request.steps() > 0) return InvalidField("improve", "must name a metric to walk");

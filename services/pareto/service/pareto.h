@@ -1,7 +1,7 @@
 // What the methods of ParetoService stand on.
 #pragma once
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 namespace mortise::rpc {
@@ -18,7 +18,7 @@ class FrontCache;
 // All of it outlives the calls.
 struct Pareto {
   store::Store* store;
-  jobs::Operations* operations;
+  operations::Operations* operations;
   rpc::Peers* peers;     // of which "simulator" evaluates
   FrontCache* explored;  // the fronts that points were picked of last
 };

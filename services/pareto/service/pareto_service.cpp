@@ -43,8 +43,8 @@ class ParetoAdapter final : public v1::ParetoService::CallbackService {
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
     rpc::ServiceEnvironment& environment) {
-  environment.operations->Register(jobs::kDiscoveryOperation,
-                                   [&environment](jobs::OperationContext& context) {
+  environment.operations->Register(operations::kDiscoveryOperation,
+                                   [&environment](operations::OperationContext& context) {
                                      return RunDiscoveryOperation(environment, context);
                                    });
   return std::vector<std::shared_ptr<grpc::Service>>{std::make_shared<ParetoAdapter>(environment)};

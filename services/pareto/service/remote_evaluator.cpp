@@ -24,7 +24,7 @@ namespace mortise::pareto {
 namespace {
 
 constexpr absl::Duration kFirstDelay = absl::Milliseconds(100);
-constexpr absl::Duration kLongestDelay = absl::Seconds(2);
+constexpr absl::Duration kMaxDelay = absl::Seconds(2);
 
 // Of a call: it got lost, took too long, or there were too many.
 bool WorthRepeating(const absl::Status& status) {
@@ -237,7 +237,7 @@ absl::StatusOr<std::vector<Evaluation>> RemoteEvaluator::Evaluate(
     if (absl::IsDeadlineExceeded(status)) end = absl::Now() + options_.patience;
     if (absl::Now() >= end) return status;
     if (!PauseBefore(delay)) return absl::CancelledError("interrupted");
-    delay = std::min(2 * delay, kLongestDelay);
+    delay = std::min(2 * delay, kMaxDelay);
   }
 }
 

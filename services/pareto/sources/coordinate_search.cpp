@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFirstStep = 0.01;  // of the parameter's range
 constexpr double kNextStep = 0.2;    // of the step before
-constexpr double kLeastStep = 1e-4;
+constexpr double kMinStep = 1e-4;
 constexpr double kFurthest = 2;  // steps from the best that a parabola is believed
 constexpr double kNearness = 6;  // values nearby are as near as 2^-6 of the range
 
@@ -82,7 +82,7 @@ void CoordinateSearch::Follow() {
     }
   }
   step_ = step_ == 0 ? kFirstStep : kNextStep * step_;
-  if (step_ < kLeastStep) return;
+  if (step_ < kMinStep) return;
   around_ = {best_};
   for (const double side : {-step_, step_}) {
     queue_.push_back(std::clamp(best_.value + side, 0.0, 1.0));

@@ -13,9 +13,9 @@ using Eigen::VectorXd;
 
 constexpr double kReference = 1.1;      // in scaled performance
 constexpr double kFirstSize = 0.03;     // of the Gaussian, unit coordinates
-constexpr double kLeastSize = 1e-3;     // of those of later searches
-constexpr double kMostSize = 0.15;      // the same
-constexpr double kLeastReach = 1e-6;    // of a Gaussian that has come to its end
+constexpr double kMinSize = 1e-3;       // of those of later searches
+constexpr double kMaxSize = 0.15;       // the same
+constexpr double kMinReach = 1e-6;      // of a Gaussian that has come to its end
 constexpr double kGain = 1e-3;          // of merit, relative, that counts
 constexpr double kPatience = 8;         // generations without a gain, with few parameters
 constexpr double kPatiencePerSize = 4;  // more, for as many parameters as samples
@@ -116,7 +116,7 @@ void EvolutionSearch::Begin(const Archive& archive, const Scaling& scaling) {
     }
     start = NextStart(archive, scaling);
     const double size = DistanceToNearestDesign(archive, start);
-    strategy_->Restart(archive[start].u, std::clamp(size, kLeastSize, kMostSize));
+    strategy_->Restart(archive[start].u, std::clamp(size, kMinSize, kMaxSize));
   }
   bests_ = {start};
   generation_.clear();
@@ -125,7 +125,7 @@ void EvolutionSearch::Begin(const Archive& archive, const Scaling& scaling) {
 }
 
 EvolutionSearch::Sample EvolutionSearch::Next(const Archive& archive, const Scaling& scaling) {
-  if (!strategy_ || barren_ > Patience() || strategy_->Reach() < kLeastReach) {
+  if (!strategy_ || barren_ > Patience() || strategy_->Reach() < kMinReach) {
     Begin(archive, scaling);
   }
   if (!model_) {

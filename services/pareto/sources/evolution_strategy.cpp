@@ -11,8 +11,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastSquare = 1e-20;      // of a sample, over that of a usual one
-constexpr double kLeastEigenvalue = 1e-14;  // of C, over the largest
+constexpr double kMinSquare = 1e-20;      // of a sample, over that of a usual one
+constexpr double kMinEigenvalue = 1e-14;  // of C, over the largest
 
 // Into [0, 1], mirrored at the bounds.
 double Mirrored(double u) {
@@ -87,7 +87,7 @@ void EvolutionStrategy::Learn(const std::vector<VectorXd>& ranked) {
     if (weights[i] >= 0) continue;
     // A sample on the mean, where values can only be set in steps, tells nothing.
     const double square = scale.cwiseProduct(axes_.transpose() * steps.col(i)).squaredNorm();
-    weights[i] = square > kLeastSquare ? weights[i] * n / square : 0;
+    weights[i] = square > kMinSquare ? weights[i] * n / square : 0;
   }
   const double lost = steady ? 0 : path_rate_ * (2 - path_rate_);
   covariance_ *= 1 + rank_one_rate_ * lost - rank_one_rate_ - rank_mu_rate_ * weights_.sum();
@@ -103,7 +103,7 @@ void EvolutionStrategy::Decompose() {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance_);
   axes_ = eigen.eigenvectors();
   const double most = eigen.eigenvalues().maxCoeff();
-  axis_lengths_ = eigen.eigenvalues().cwiseMax(kLeastEigenvalue * most).cwiseSqrt();
+  axis_lengths_ = eigen.eigenvalues().cwiseMax(kMinEigenvalue * most).cwiseSqrt();
 }
 
 void EvolutionStrategy::Restart(const VectorXd& mean, double size) {

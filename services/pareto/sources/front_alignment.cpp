@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeastShare = 0.1;
+constexpr double kMinShare = 0.1;
 constexpr std::size_t kLatest = 4;       // one of so many trade-offs
 constexpr double kSameDirection = 1e-6;  // relative, of slopes
 
@@ -60,7 +60,7 @@ std::vector<VectorXd> AlignedDesigns(const Archive& archive, const Scaling& scal
     VectorXd position = archive[front[random.Index(front.size())]].u;
     const VectorXd& other = archive[front[random.Index(front.size())]].u;
     if (random.Uniform() < 0.5) position += (2 * random.Uniform() - 0.5) * (other - position);
-    const double share = kLeastShare + (1 - kLeastShare) * random.Uniform();
+    const double share = kMinShare + (1 - kMinShare) * random.Uniform();
     const MatrixXd directions = trend.Directions(share);
     const VectorXd u = source + directions * (directions.transpose() * (position - source));
     designs.push_back(u.cwiseMax(0.0).cwiseMin(1.0));

@@ -10,8 +10,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kSources = 24;         // trade-offs looked at, at random
-constexpr Eigen::Index kMostNeighbours = 6;  // of each
+constexpr std::size_t kSources = 24;        // trade-offs looked at, at random
+constexpr Eigen::Index kMaxNeighbours = 6;  // of each
 
 struct Candidate {
   double hole = 0;  // squared distance to the nearest trade-off, scaled performance
@@ -47,7 +47,7 @@ std::vector<Bridge> FrontBridging::Next(const Archive& archive, const Scaling& s
   const std::vector<std::size_t>& entries = archive.non_dominated();
   const MatrixXd front = ScaledFront(archive, scaling);
   const auto neighbours = static_cast<std::size_t>(
-      std::min<Eigen::Index>(2 * (scaling.ideal.size() - 1), kMostNeighbours));
+      std::min<Eigen::Index>(2 * (scaling.ideal.size() - 1), kMaxNeighbours));
   std::vector<Candidate> candidates;
   for (std::size_t n = 0; n < kSources && entries.size() > 1; ++n) {
     const std::size_t a = random.Index(entries.size());

@@ -16,13 +16,13 @@ constexpr double kScarceShare = 0.05;  // of a budget that is not ample, left at
 constexpr double kEarlyShare = 0.45;   // of an ample one, and at the second if polishing pays,
 constexpr double kPayingShare = 0.2;   // at the third, if it does
 constexpr double kAgain = 2.0 / 3;     // of what was left at the last trial, at the next one
-constexpr int kMostRounds = 12;
+constexpr int kMaxRounds = 12;
 constexpr int kOutlierRounds = 3;  // of these, where polishing pays
 constexpr std::size_t kTrial = 32;
 constexpr std::int64_t kLastPart = 50;  // a fiftieth of the budget, for polishing alone,
 constexpr std::int64_t kPause = 16;
-constexpr double kLastGain = 1e-9;      // of whatever gains anything,
-constexpr double kMostLastGain = 1e-3;  // at the very end of what models know exactly
+constexpr double kLastGain = 1e-9;     // of whatever gains anything,
+constexpr double kMaxLastGain = 1e-3;  // at the very end of what models know exactly
 
 }  // namespace
 
@@ -78,7 +78,7 @@ bool FrontFinishing::IsDue(std::int64_t left) const {
     if (outcome_->polished == 0) return left <= last_left_ / 2;
     return left <= last_left_ - std::max<std::int64_t>(options_.window, last_left_ / kPause);
   }
-  if (rounds_ >= kMostRounds) return false;
+  if (rounds_ >= kMaxRounds) return false;
   const std::int64_t share = std::llround(ShareLeft() * static_cast<double>(options_.evaluations));
   return left <= (rounds_ == 0 ? std::max<std::int64_t>(options_.window, share) : share);
 }
@@ -107,7 +107,7 @@ std::unique_ptr<PointSource> FrontFinishing::NextRound(const Archive& archive, s
   const std::size_t wanted = std::min(most - repaired, is_trial ? std::min(kTrial, some) : some);
   FrontPolishing::Choice choice{.typical = is_trial && options_.is_ample};
   if (PolishesOnly(left)) choice.least = kLastGain;
-  if (is_last) choice.most = kMostLastGain;
+  if (is_last) choice.most = kMaxLastGain;
   std::vector<Eigen::VectorXd> polished = polishing_.Next(archive, cells, wanted, choice);
   paid_ = Pays();
   outcome_ = std::make_shared<Outcome>();

@@ -21,13 +21,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kBeyond = 1e-2;      // delta_N: how far beyond the front the target is
-constexpr double kLeastReach = 1e-3;  // where there are no neighbours
+constexpr double kMinReach = 1e-3;    // where there are no neighbours
 constexpr std::size_t kLookedAt = 4;  // designs, for each that is wanted
 constexpr int kIterations = 8;
 constexpr int kShortenings = 4;
-constexpr double kLeastProgress = 1e-9;  // of an iteration, scaled performance
-constexpr double kAside = 0.2;           // of all metrics, beside the normal
-constexpr int kForgotten = 3;            // rounds after which a design is looked at again
+constexpr double kMinProgress = 1e-9;  // of an iteration, scaled performance
+constexpr double kAside = 0.2;         // of all metrics, beside the normal
+constexpr int kForgotten = 3;          // rounds after which a design is looked at again
 // How far a design of the front is moved, over the distance to its neighbours, at each try.
 constexpr std::array<double, 3> kFrontReach = {3, 10, 1};
 
@@ -63,7 +63,7 @@ double DistanceToNeighbour(const Archive& archive, const VectorXd& u,
     const double square = (archive[other].u - u).squaredNorm();
     if (square > 0) squares.push_back(square);
   }
-  if (squares.empty()) return kLeastReach;
+  if (squares.empty()) return kMinReach;
   rank = std::min(rank, squares.size()) - 1;
   std::ranges::nth_element(squares, squares.begin() + static_cast<std::ptrdiff_t>(rank));
   return std::sqrt(squares[rank]);
@@ -134,7 +134,7 @@ class Surroundings {
       }
       if (!(further >= gain)) break;
       step += more;
-      if (further < gain + kLeastProgress) break;
+      if (further < gain + kMinProgress) break;
       gain = further;
     }
     return step;

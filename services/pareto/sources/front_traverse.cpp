@@ -11,8 +11,8 @@ namespace mortise::pareto {
 namespace {
 
 constexpr int kFirstValues = 8;
-constexpr int kGaps = 4;            // of a round
-constexpr double kLeastGap = 1e-4;  // of the parameter
+constexpr int kGaps = 4;          // of a round
+constexpr double kMinGap = 1e-4;  // of the parameter
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void FrontTraverse::QueueGaps(const Archive& archive) {
   for (auto a = line_.begin(), b = std::next(a); b != line_.end(); a = b++) {
     const double middle = 0.5 * (a->first + b->first);
     // A middle that failed, or that a workshop cannot set, brings nothing the second time either.
-    if (b->first - a->first < kLeastGap || tried_.contains(middle) ||
+    if (b->first - a->first < kMinGap || tried_.contains(middle) ||
         (is_dominated(a->second) && is_dominated(b->second))) {
       continue;
     }

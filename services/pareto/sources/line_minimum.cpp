@@ -16,7 +16,7 @@ constexpr std::size_t kManyValues = 20;  // of a function that ripples
 constexpr int kFirstPoints = 8;          // that cover the range at first, at most
 constexpr std::size_t kValleys = 16;     // that parabolas lead down from at first
 constexpr int kRounds = 8;               // of parabolas, at most
-constexpr double kLeastGap = 1e-7;       // between points
+constexpr double kMinGap = 1e-7;         // between points
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Point = std::pair<double, double>;
@@ -149,8 +149,8 @@ std::optional<double> LineMinimum::VertexAt(double point) const {
                         c->first - 0.05 * (c->first - b->first));
   }
   const auto above = values_.lower_bound(vertex);
-  if (above != values_.end() && above->first - vertex < kLeastGap) return std::nullopt;
-  if (above != values_.begin() && vertex - std::prev(above)->first < kLeastGap) return std::nullopt;
+  if (above != values_.end() && above->first - vertex < kMinGap) return std::nullopt;
+  if (above != values_.begin() && vertex - std::prev(above)->first < kMinGap) return std::nullopt;
   return vertex;
 }
 

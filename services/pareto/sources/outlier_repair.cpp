@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kLeastDeviation = 0.0005;  // unit coordinates
-constexpr double kOutlying = 4;             // interquartile ranges
+constexpr double kMinDeviation = 0.0005;  // unit coordinates
+constexpr double kOutlying = 4;           // interquartile ranges
 
 struct Repair {
   double deviation = 0;  // the largest of its parameters, unit coordinates
@@ -36,7 +36,7 @@ Repair RepairOf(const VectorXd& u, const std::vector<VectorXd>& neighbours) {
     const std::size_t quarter = values.size() / 4;
     const double range = values[values.size() - 1 - quarter] - values[quarter];
     const double median = Median(values), deviation = std::abs(u[i] - median);
-    if (deviation <= std::max(kLeastDeviation, kOutlying * range)) continue;
+    if (deviation <= std::max(kMinDeviation, kOutlying * range)) continue;
     repair.u[i] = median;
     repair.deviation = std::max(repair.deviation, deviation);
   }

@@ -20,8 +20,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kLeastLine = 4;
-constexpr double kLeastGap = 0.01;      // between neighbours on a line
+constexpr std::size_t kMinLine = 4;
+constexpr double kMinGap = 0.01;        // between neighbours on a line
 constexpr double kCountedRange = 0.1;   // of a metric on a line
 constexpr double kSmooth = 0.1;         // deviation from parabolas, in ranges, at kSmoothGap
 constexpr double kSmoothGap = 0.25;     // between neighbours
@@ -105,7 +105,7 @@ std::vector<ParameterLine> ParameterLines(const Archive& archive) {
     for (auto first = alike.begin(), end = first; first != alike.end(); first = end) {
       end = std::find_if(first, alike.end(),
                          [&](const auto& each) { return each.first != first->first; });
-      if (end - first < static_cast<std::ptrdiff_t>(kLeastLine)) continue;
+      if (end - first < static_cast<std::ptrdiff_t>(kMinLine)) continue;
       std::vector<std::size_t> entries;
       for (const auto& [hash, entry] : std::ranges::subrange(first, end)) {
         if (AreAlikeBut(i, archive[entry].u, archive[first->second].u)) entries.push_back(entry);
@@ -114,11 +114,11 @@ std::vector<ParameterLine> ParameterLines(const Archive& archive) {
       std::ranges::stable_sort(entries, {}, value);
       std::vector<std::size_t> spaced;
       for (const std::size_t entry : entries) {
-        if (spaced.empty() || value(entry) - value(spaced.back()) >= kLeastGap) {
+        if (spaced.empty() || value(entry) - value(spaced.back()) >= kMinGap) {
           spaced.push_back(entry);
         }
       }
-      if (spaced.size() >= kLeastLine) lines.push_back({i, std::move(spaced)});
+      if (spaced.size() >= kMinLine) lines.push_back({i, std::move(spaced)});
     }
   }
   return lines;

@@ -15,12 +15,12 @@ constexpr int kBisectionDepth = 6;
 constexpr double kNoWeight = 1e-3;  // of a metric, out of 1 for all
 constexpr double kModelRadius = 0.1;
 constexpr double kActiveDistance = 0.02;      // from a constraint, unit coordinates
-constexpr double kWidestMargin = 0.05;        // from a constraint, in units of its size
-constexpr double kLongestCorrection = 0.25;   // of each unit coordinate
+constexpr double kMaxMargin = 0.05;           // from a constraint, in units of its size
+constexpr double kMaxCorrection = 0.25;       // of each unit coordinate
 constexpr Eigen::Index kLargeDimensions = 3;  // of a piece that has most of its nodes far out
 constexpr std::size_t kLookedAt = 16;         // nodes, before one is chosen there
 constexpr double kFar = 1e4;                  // steps, more than any piece has
-constexpr int kMostRedundant = 20;            // nodes, and a quarter of the evaluations
+constexpr int kMaxRedundant = 20;             // nodes, and a quarter of the evaluations
 constexpr int kRedundantShare = 4;
 constexpr std::size_t kNodeLimit = 5000;  // a patch whose nodes are all covered ends somewhere
 
@@ -141,14 +141,14 @@ Eigen::VectorXd PatchSampling::WithinConstraints(const Archive& archive,
                         point, archive.ConstraintSizes());
   for (QuadraticFunction& constraint : constraints) constraint.value += margin_;
   if (!(Violation(constraints, Eigen::VectorXd::Zero(point.size())) > 0)) return point;
-  const Eigen::VectorXd lower = (-point).cwiseMax(-kLongestCorrection);
-  const Eigen::VectorXd upper = (1 - point.array()).matrix().cwiseMin(kLongestCorrection);
+  const Eigen::VectorXd lower = (-point).cwiseMax(-kMaxCorrection);
+  const Eigen::VectorXd upper = (1 - point.array()).matrix().cwiseMin(kMaxCorrection);
   return (point + ReduceViolation(constraints, lower, upper)).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 void PatchSampling::LearnMargin(const Archive& archive, std::size_t entry) {
   const Eigen::VectorXd above = archive[entry].constraints.cwiseQuotient(archive.ConstraintSizes());
-  margin_ = std::max(margin_, std::min(2 * above.maxCoeff(), kWidestMargin));
+  margin_ = std::max(margin_, std::min(2 * above.maxCoeff(), kMaxMargin));
 }
 
 bool PatchSampling::IsCritical(const Eigen::MatrixXd& jacobian) const {
@@ -456,7 +456,7 @@ void PatchSampling::Tell(Archive& archive, std::size_t entry) {
   }
   if (stepped && holds && Covered(archive, told.metrics, entry)) {
     ++redundant_;
-    if (redundant_ > kMostRedundant + evaluations_ / kRedundantShare) EndWalk();
+    if (redundant_ > kMaxRedundant + evaluations_ / kRedundantShare) EndWalk();
   }
   if (!holds || (stepped && walk_over_)) return;
   if (request.kind == Request::Kind::kNode) {

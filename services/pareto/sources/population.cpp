@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 constexpr double kMemory = 0.98;         // weight of the past in how often a way is taken
 constexpr double kCrossoverSpread = 15;  // distribution index: the larger, the nearer to parents
 constexpr double kMutationSpread = 20;
-constexpr double kLeastShare = 0.15;  // of each way
+constexpr double kMinShare = 0.15;  // of each way
 
 double Crossover(double a, double b, Random& random) {
   const double share = random.Uniform();
@@ -165,7 +165,7 @@ Population::Way Population::ChooseWay(Random& random) const {
   }
   double draw = random.Uniform();
   for (std::size_t i = 0; i < 2; ++i) {
-    draw -= kLeastShare + (1 - 3 * kLeastShare) * share[i] / total;
+    draw -= kMinShare + (1 - 3 * kMinShare) * share[i] / total;
     if (draw < 0) return static_cast<Way>(i);
   }
   return Way::kTransplant;

@@ -24,7 +24,7 @@ constexpr double kOptimism = 5;         // deviations that a metric may be bette
 constexpr double kNothing = -700;       // logarithm of an improvement that is as good as none
 constexpr double kSameDesign = 1e-5;    // as near in every coordinate: no need to evaluate it again
 constexpr double kChangedParameters = 3;   // of a candidate with some parameters moved, on average
-constexpr double kLeastMove = 7;           // as an exponent: 2^-7 of a parameter's range
+constexpr double kMinMove = 7;             // as an exponent: 2^-7 of a parameter's range
 constexpr double kAscentTolerance = 1e-3;  // of what is ascended, absolute
 
 // A function of designs to be made large, with its slope.
@@ -165,13 +165,13 @@ VectorXd SurrogateSearch::Candidate(const Archive& archive) {
   const VectorXd& one = archive[front[random_.Index(front.size())]].u;
   const VectorXd& other = archive[front[random_.Index(front.size())]].u;
   const std::size_t way = random_.Index(3);
-  if (way == 0) return PerturbedSample(one, kLeastMove, random_);
+  if (way == 0) return PerturbedSample(one, kMinMove, random_);
   VectorXd u = one;
   if (way == 1) {
     u += (2 * random_.Uniform() - 0.5) * (other - one);
     return u.cwiseMax(0.0).cwiseMin(1.0);
   }
-  const double scale = std::exp2(-kLeastMove * random_.Uniform());
+  const double scale = std::exp2(-kMinMove * random_.Uniform());
   const double share = kChangedParameters / static_cast<double>(u.size());
   for (double& value : u) {
     if (random_.Uniform() < share) value += scale * (2 * random_.Uniform() - 1);

@@ -57,10 +57,11 @@ absl::StatusOr<std::vector<std::string>> NamesOf(
 
 }  // namespace
 
-std::vector<std::string> GroupsOf(const CompiledTemplate& whole) {
+std::vector<std::string> GroupsOf(const SearchedTemplate& whole) {
   if (!whole.group.empty()) return {};
-  const templates::Template& function = *whole.function;
-  const auto design = function.AssemblyAt(parametric::Defaults(function.parameters()));
+  const templates::Template& design_template = *whole.design_template;
+  const auto design =
+      design_template.AssemblyAt(parametric::Defaults(design_template.parameters()));
   if (!design.ok() || !*design) return {};
   return parametric::DistinctSubTrees((*design)->assembly->assembly());
 }
@@ -90,7 +91,7 @@ absl::StatusOr<std::vector<v1::Template>> TemplateSource::List(
   return bundles::ListTemplates(catalog_, std::move(request), origin, retry);
 }
 
-absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
+absl::StatusOr<std::shared_ptr<const SearchedTemplate>> TemplateSource::Get(
     const std::string& name, std::int64_t revision, const rpc::Origin& origin,
     const std::string& group) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "template").status());
@@ -102,19 +103,19 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
   const std::string key = absl::StrCat(name, "/", bundle.template_().revision(), "/", group);
   return kept_.Get(key, [&]() -> absl::StatusOr<Kept::Made> {
     MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, {}, origin));
-    CompiledTemplate compiled{.name = name,
+    SearchedTemplate compiled{.name = name,
                               .revision = bundle.template_().revision(),
                               .digest = absl::StrCat(bundles::ContentDigest(bundle), group),
                               .title = "",
                               .group = group,
-                              .function = nullptr,
+                              .design_template = nullptr,
                               .domain = nullptr};
     if (!group.empty()) MORTISE_RETURN_IF_ERROR(ReduceTo(group, bundle));
     compiled.title = bundle.template_().title();
-    MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
-    compiled.domain = std::make_shared<const KeptDomain>(compiled.function);
-    const std::size_t bytes = compiled.function->MemoryUse();
-    return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
+    MORTISE_ASSIGN_OR_RETURN(compiled.design_template, templates::Compile(bundle));
+    compiled.domain = std::make_shared<const KeptDomain>(compiled.design_template);
+    const std::size_t bytes = compiled.design_template->MemoryUse();
+    return Kept::Made{std::make_shared<const SearchedTemplate>(std::move(compiled)), bytes};
   });
 }
 

@@ -18,20 +18,20 @@
 namespace mortise::retrieval {
 
 // A template revision ready for evaluation.
-struct CompiledTemplate {
+struct SearchedTemplate {
   std::string name;  // templates/{id}
   std::int64_t revision = 0;
   std::string digest;  // bundles::ContentDigest, with the group
   std::string title;
   std::string group;  // of its assembly, whose sub-tree it is; empty for the whole
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   std::shared_ptr<const KeptDomain> domain;  // of its parameters
 };
 
 // The groups of the template's assembly that are things by themselves (DistinctSubTrees): each can
 // be got as a template. None for other kinds of templates, and for a sub-tree. It takes up to
 // seconds for assemblies of hundreds of parts.
-std::vector<std::string> GroupsOf(const CompiledTemplate& whole);
+std::vector<std::string> GroupsOf(const SearchedTemplate& whole);
 
 using bundles::IsPassingFailure;
 
@@ -59,13 +59,13 @@ class TemplateSource {
   // With a `group` of an assembly template the sub-tree below it, as a template by itself: its
   // parameters are sizes of its own that can be chosen independently, and it has no conditions,
   // which speak of the whole.
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
+  absl::StatusOr<std::shared_ptr<const SearchedTemplate>> Get(const std::string& name,
                                                               std::int64_t revision,
                                                               const rpc::Origin& origin,
                                                               const std::string& group = "");
 
  private:
-  using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
+  using Kept = SingleFlightCache<std::shared_ptr<const SearchedTemplate>>;
 
   const std::shared_ptr<grpc::Channel> catalog_;
   bundles::ShapeSource shapes_;

@@ -13,13 +13,13 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kShortestStep = 1e-3;  // of a parameter's extent
-constexpr double kLongestStep = 1.0 / 16;
-constexpr double kLeastPart = 1e-3;  // of a step: with less room than this there is none
+constexpr double kMinStep = 1e-3;  // of a parameter's extent
+constexpr double kMaxStep = 1.0 / 16;
+constexpr double kMinPart = 1e-3;  // of a step: with less room than this there is none
 
 // The step as a part of an extent.
 double StepPart(double noise) {
-  return std::clamp(std::pow(std::max(0.0, noise), 0.25), kShortestStep, kLongestStep);
+  return std::clamp(std::pow(std::max(0.0, noise), 0.25), kMinStep, kMaxStep);
 }
 
 // Where the two other points of a difference lie, as changes of one parameter; 0: nowhere.
@@ -32,8 +32,8 @@ Stencil StencilWithin(double room_up, double room_down, double step) {
   if (step <= 0) return {};
   const double aside = std::min({room_up, room_down, step});
   const double ahead = std::min(std::max(room_up, room_down) / 2, step);
-  if (aside >= ahead && aside >= kLeastPart * step) return {aside, -aside};
-  if (ahead < kLeastPart * step) return {};
+  if (aside >= ahead && aside >= kMinPart * step) return {aside, -aside};
+  if (ahead < kMinPart * step) return {};
   const double sign = room_up >= room_down ? 1 : -1;
   return {sign * ahead, sign * 2 * ahead};
 }

@@ -24,28 +24,28 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kFirstPoints = 96;
-constexpr std::size_t kMostPoints = 1536;  // of a structure
-constexpr long kMostKnown = 4096;          // of all structures together
+constexpr std::size_t kMaxPoints = 1536;  // of a structure
+constexpr long kMaxKnown = 4096;          // of all structures together
 constexpr int kBatch = 64;
-constexpr int kMostBatchesALevel = 64;
-constexpr double kMostFailures = 0.02;
+constexpr int kMaxBatchesALevel = 64;
+constexpr double kMaxFailures = 0.02;
 constexpr double kErrorPart = 0.2;      // of δ: of left-out errors, that are aimed at
-constexpr double kMostErrorPart = 0.5;  // of δ, that are taken where more points bring little
+constexpr double kMaxErrorPart = 0.5;   // of δ, that are taken where more points bring little
 constexpr double kBringsLittle = 0.75;  // of the error that there was with half as many points
 constexpr double kErrorQuantile = 0.95;
 constexpr double kSmoothings[] = {0, 1e-3, 1e-2, 1e-1};  // of interpolants
-constexpr Index kMostSmoothed = 800;   // points: with more, each try takes longer than it is worth
+constexpr Index kMaxSmoothed = 800;    // points: with more, each try takes longer than it is worth
 constexpr double kLeftOutPart = 0.05;  // of δ: beyond the principal components
 constexpr std::size_t kComponentPoints = 400;
 constexpr double kSmallest = 1e-6;  // of the largest component: smaller ones are rounding
 constexpr double kRarePart = 0.05;  // of the samples, that may have structures without interpolant
 constexpr double kRounding = 1e-9;
-constexpr long kMostInterpolated = 400'000;  // evaluations of what interpolates
-constexpr double kSurely = 3;                // standard deviations
+constexpr long kMaxInterpolated = 400'000;  // evaluations of what interpolates
+constexpr double kSurely = 3;               // standard deviations
 
 // How many designs are made to interpolate between.
 long MostKnown(const CoverOptions& options) {
-  return std::min(kMostKnown, options.most_evaluations);
+  return std::min(kMaxKnown, options.most_evaluations);
 }
 
 struct KnownPoint {
@@ -65,7 +65,7 @@ class KnownPoints {
   // Draws samples until each structure that has been seen has `count` points, but for those that
   // are interpolated well enough already, or many samples have been drawn.
   absl::Status DrawUpTo(std::size_t count, const std::set<int>& settled) {
-    for (int batch = 0; batch < kMostBatchesALevel; ++batch) {
+    for (int batch = 0; batch < kMaxBatchesALevel; ++batch) {
       if (options_.stop.stop_requested()) return absl::CancelledError("the cover was cancelled");
       MORTISE_RETURN_IF_ERROR(DrawBatch(count, settled));
       const bool has_enough = std::all_of(points_.begin(), points_.end(), [&](const auto& each) {
@@ -80,7 +80,7 @@ class KnownPoints {
 
   // Whether surely more fail than may.
   bool TooManyFail() const {
-    const double expected = kMostFailures * static_cast<double>(evaluator_.evaluations());
+    const double expected = kMaxFailures * static_cast<double>(evaluator_.evaluations());
     return static_cast<double>(evaluator_.failures()) > expected + kSurely * std::sqrt(expected);
   }
 
@@ -195,7 +195,7 @@ struct Attempt {
 std::optional<Attempt> BestOf(const MatrixXd& nodes, const MatrixXd& values, double enough) {
   std::optional<Attempt> best;
   for (const double smoothing : kSmoothings) {
-    if (smoothing > 0 && nodes.cols() > kMostSmoothed) break;
+    if (smoothing > 0 && nodes.cols() > kMaxSmoothed) break;
     auto interpolant = RadialInterpolant::Fit(nodes, values, smoothing);
     if (!interpolant.ok()) continue;
     const VectorXd& left_out = interpolant->left_out_errors();
@@ -312,10 +312,10 @@ absl::StatusOr<Cover> CoverInterpolated(const InterpolatedManifold& manifold,
                                         CoverOptions options) {
   const long left = std::max(1L, options.most_evaluations - known.evaluator().evaluations());
   options.delta -= error + kLeftOutPart * options.delta;
-  options.most_evaluations = kMostInterpolated;
+  options.most_evaluations = kMaxInterpolated;
   if (part_without > 0) {
     const double most = static_cast<double>(left) / part_without;
-    options.most_evaluations = std::min(kMostInterpolated, std::lround(most));
+    options.most_evaluations = std::min(kMaxInterpolated, std::lround(most));
   }
   MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverManifold(manifold, options));
   for (Primitive& primitive : cover.primitives) primitive = manifold.Lifted(std::move(primitive));
@@ -361,7 +361,7 @@ absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const Cover
     return CoverManifold(manifold, options);
   }
   KnownPoints known(manifold, options, std::move(extents));
-  const auto most = static_cast<std::size_t>(std::min<long>(kMostPoints, options.most_evaluations));
+  const auto most = static_cast<std::size_t>(std::min<long>(kMaxPoints, options.most_evaluations));
   double before = std::numeric_limits<double>::infinity();
   std::set<int> settled;  // structures that need no more points
   for (std::size_t count = kFirstPoints; count <= most; count *= 2) {
@@ -375,7 +375,7 @@ absl::StatusOr<Cover> CoverByInterpolation(const Manifold& manifold, const Cover
     const bool is_enough = is_last || error > kBringsLittle * before;
     before = error;
     const double taken = std::max(error, kErrorPart * options.delta);
-    if (taken > (is_enough ? kMostErrorPart : kErrorPart) * options.delta) {
+    if (taken > (is_enough ? kMaxErrorPart : kErrorPart) * options.delta) {
       if (is_last) break;
       for (const auto& [structure, attempt] : attempts) {
         if (attempt.error <= kErrorPart * options.delta) settled.insert(structure);

@@ -10,7 +10,7 @@
 namespace mortise::retrieval {
 namespace {
 
-constexpr std::size_t kMostMessages = 10;
+constexpr std::size_t kMaxMessages = 10;
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void ParallelEvaluator::Count(const absl::StatusOr<Eigen::VectorXd>& value) {
   if (value.ok()) return;
   ++failures_;
   const std::string message(value.status().message());
-  if (messages_.size() < kMostMessages &&
+  if (messages_.size() < kMaxMessages &&
       std::find(messages_.begin(), messages_.end(), message) == messages_.end()) {
     messages_.push_back(message);
   }

@@ -17,14 +17,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTight = 0.9;         // of δ: what radii are measured for
-constexpr int kProbeRounds = 4;        // evaluations along one axis, one way
-constexpr double kNearEnough = 0.5;    // of the tight distance: a probe that needs no further one
-constexpr double kLongestLeap = 4;     // from one probe to the next
-constexpr double kLeastMargin = 0.97;  // of the place where a parabola says that d is 0.9 δ
+constexpr double kTight = 0.9;       // of δ: what radii are measured for
+constexpr int kProbeRounds = 4;      // evaluations along one axis, one way
+constexpr double kNearEnough = 0.5;  // of the tight distance: a probe that needs no further one
+constexpr double kMaxLeap = 4;       // from one probe to the next
+constexpr double kMinMargin = 0.97;  // of the place where a parabola says that d is 0.9 δ
 constexpr int kShrinkRounds = 6;
-constexpr double kMostShrink = 0.6;
-constexpr double kLeastShrink = 0.95;
+constexpr double kMaxShrink = 0.6;
+constexpr double kMinShrink = 0.95;
 constexpr int kPlacesPerAxis = 4;
 
 // One way along one axis, and how far the ellipsoid may go there.
@@ -42,7 +42,7 @@ struct Probe {
 void Learn(double foot, double distance, double tight, bool last, Probe* probe) {
   const bool at_end = probe->at >= probe->way.length;
   if (foot <= 0 || distance > tight) {
-    const double part = foot <= 0 ? 0.5 : std::max(0.1, kLeastMargin * std::sqrt(tight / distance));
+    const double part = foot <= 0 ? 0.5 : std::max(0.1, kMinMargin * std::sqrt(tight / distance));
     if (foot > 0 && last) probe->reach = part * foot;
     probe->at *= part;
     probe->done = last;
@@ -54,10 +54,10 @@ void Learn(double foot, double distance, double tight, bool last, Probe* probe) 
     probe->done = true;
     return;
   }
-  const double ahead = distance > 0 ? kLeastMargin * std::sqrt(tight / distance) : kLongestLeap;
+  const double ahead = distance > 0 ? kMinMargin * std::sqrt(tight / distance) : kMaxLeap;
   probe->reach = foot * std::clamp(ahead, 1.0, 1.2);
   probe->done = last || distance >= kNearEnough * tight;
-  probe->at = std::min(probe->way.length, probe->at * std::clamp(ahead, 1.0, kLongestLeap));
+  probe->at = std::min(probe->way.length, probe->at * std::clamp(ahead, 1.0, kMaxLeap));
 }
 
 class Fit {
@@ -159,7 +159,7 @@ class Fit {
     for (int round = 0; round < kShrinkRounds; ++round) {
       MORTISE_ASSIGN_OR_RETURN(const double worst, FurthestPlace(directions, *radii));
       if (worst <= site_.delta) return absl::OkStatus();
-      const double part = std::clamp(std::sqrt(tight_ / worst), kMostShrink, kLeastShrink);
+      const double part = std::clamp(std::sqrt(tight_ / worst), kMaxShrink, kMinShrink);
       *radii = (part * *radii).cwiseMax(site_.delta);
     }
     radii->setConstant(site_.delta);

@@ -15,10 +15,10 @@ namespace {
 
 using mesh::SurfaceMesh;
 
-constexpr double kLargestCoordinate = 1e100;  // m; squares must not overflow
-constexpr double kLeastTriangleArea = 1e-14;  // in the box [-1, 1]³
-constexpr double kLeastArea = 4e-10;          // of all triangles, in the box [-1, 1]³
-constexpr int kMortonBits = 21;               // for each axis
+constexpr double kMaxCoordinate = 1e100;    // m; squares must not overflow
+constexpr double kMinTriangleArea = 1e-14;  // in the box [-1, 1]³
+constexpr double kMinArea = 4e-10;          // of all triangles, in the box [-1, 1]³
+constexpr int kMortonBits = 21;             // for each axis
 
 absl::Status CheckTriangles(const SurfaceMesh& surface) {
   if (surface.triangles.cols() == 0) return InvalidField("surface", "has no triangles");
@@ -29,7 +29,7 @@ absl::Status CheckTriangles(const SurfaceMesh& surface) {
                             absl::StrCat("vertex ", corner, " does not exist"));
       }
       const Eigen::Vector3d vertex = surface.vertices.col(corner);
-      if (!vertex.allFinite() || vertex.cwiseAbs().maxCoeff() > kLargestCoordinate) {
+      if (!vertex.allFinite() || vertex.cwiseAbs().maxCoeff() > kMaxCoordinate) {
         return InvalidField(absl::StrCat("surface.vertices[", corner, "]"),
                             "is not finite, or lies beyond 1e100 m");
       }
@@ -95,7 +95,7 @@ class PlaceOrder {
 bool UsedAreFinite(const CanonicalSurface& surface, const Eigen::Matrix3Xd& columns) {
   if (columns.cols() != surface.vertices) return false;
   for (const int corner : surface.triangles.reshaped()) {
-    if (!(columns.col(corner).cwiseAbs().maxCoeff() <= kLargestCoordinate) ||
+    if (!(columns.col(corner).cwiseAbs().maxCoeff() <= kMaxCoordinate) ||
         columns.col(corner).hasNaN()) {
       return false;
     }
@@ -129,12 +129,12 @@ absl::StatusOr<CanonicalSurface> MakeCanonical(const SurfaceMesh& surface) {
     const Eigen::Vector3d b = vertices.col(triangle.corners[1]);
     const Eigen::Vector3d c = vertices.col(triangle.corners[2]);
     const double triangle_area = (b - a).cross(c - a).norm() / 2;
-    if (triangle_area < kLeastTriangleArea) continue;
+    if (triangle_area < kMinTriangleArea) continue;
     area += triangle_area;
     triangle.code = MortonCode((a + b + c) / 3);
     placed.push_back(triangle);
   }
-  if (area < kLeastArea) return InvalidField("surface", "has no area");
+  if (area < kMinArea) return InvalidField("surface", "has no area");
   std::sort(placed.begin(), placed.end(), order);
   const auto same = [&order](const PlacedTriangle& a, const PlacedTriangle& b) {
     return !order(a, b) && !order(b, a);

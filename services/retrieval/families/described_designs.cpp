@@ -9,7 +9,7 @@ namespace mortise::retrieval {
 namespace {
 
 // As covers of solids make no more (family_cover.cpp), by far: no other is kept.
-constexpr std::size_t kMostKept = 4096;
+constexpr std::size_t kMaxKept = 4096;
 
 std::string KeyOf(const Eigen::VectorXd& q) {
   return {reinterpret_cast<const char*>(q.data()),
@@ -47,7 +47,7 @@ std::shared_ptr<const DescribedDesign> DescribedDesigns::At(const Eigen::VectorX
   std::shared_ptr<const DescribedDesign> described = Make(q);
   const std::lock_guard lock(mutex_);
   ++made_;
-  if (known_.size() < kMostKept) known_.emplace(key, described);
+  if (known_.size() < kMaxKept) known_.emplace(key, described);
   return described;
 }
 

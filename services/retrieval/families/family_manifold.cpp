@@ -23,9 +23,9 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kScouts = 256;  // designs whose structures are looked up beforehand
-constexpr std::size_t kMostStructures = 64;
+constexpr std::size_t kMaxStructures = 64;
 constexpr std::uint64_t kScoutSeed = 17;
-constexpr double kLeastStep = 1e-3;  // of a difference's: with less room there is none
+constexpr double kMinStep = 1e-3;  // of a difference's: with less room there is none
 
 // The designs of one structure, described through one choice of points on a reference.
 struct StructureFamily {
@@ -69,7 +69,7 @@ class RecentStructures {
 
 // What evaluations share; they come on several threads.
 struct Family {
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   std::shared_ptr<const Descriptor> descriptor;
   LinearConstraints constraints;
   std::vector<StructureFamily> structures;   // the default design's first
@@ -91,8 +91,9 @@ struct SurfaceDesign {
   parametric::Structure structure;
 };
 
-absl::StatusOr<SurfaceDesign> SurfaceAt(const templates::Template& function, const VectorXd& q) {
-  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, function.Evaluate(q));
+absl::StatusOr<SurfaceDesign> SurfaceAt(const templates::Template& design_template,
+                                        const VectorXd& q) {
+  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design, design_template.Evaluate(q));
   SurfaceDesign made{DesignSurface(design), {}};
   if (design.structure) made.structure = *std::move(design.structure);
   return made;
@@ -113,7 +114,7 @@ absl::StatusOr<VectorXd> Describe(const Family& family, const VectorXd& q) {
     }
     return vector;
   }
-  MORTISE_ASSIGN_OR_RETURN(const SurfaceDesign design, SurfaceAt(*family.function, q));
+  MORTISE_ASSIGN_OR_RETURN(const SurfaceDesign design, SurfaceAt(*family.design_template, q));
   if (!design.structure.counts.empty()) family.recent.Add(q, NumberOf(design.structure));
   const StructureFamily* const known = family.Find(design.structure);
   if (known != nullptr && known->bound && HasVerticesOf(*known, design.surface)) {
@@ -143,7 +144,7 @@ SurfaceFamily MembersBeside(const Family& family, const StructureFamily& known, 
   members.surface = [&](const VectorXd& values) -> absl::StatusOr<mesh::SurfaceMesh> {
     VectorXd at = q;
     at(moving) = values;
-    MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family.function, at));
+    MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family.design_template, at));
     if (design.structure == known.structure && HasVerticesOf(known, design.surface)) {
       design.surface.triangles = known.reference.triangles;
     }
@@ -156,13 +157,14 @@ SurfaceFamily MembersBeside(const Family& family, const StructureFamily& known, 
 // design a parameter adds to them: M(q + h) - M(q) - h M'(q) is h² M''(q) / 2.
 absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& extents,
                                           const VectorXd& q) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Structure structure, family.function->StructureAt(q));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Structure structure,
+                           family.design_template->StructureAt(q));
   const StructureFamily* const known = family.Find(structure);
   if (known == nullptr) return absl::FailedPreconditionError("nothing is bound to this structure");
   const VectorXd steps = DifferenceSteps(extents, 0);
   std::vector<Index> moving;
   for (Index k = 0; k < q.size(); ++k) {
-    if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kLeastStep * steps[k]) {
+    if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kMinStep * steps[k]) {
       moving.push_back(k);
     }
   }
@@ -189,14 +191,14 @@ absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& 
 int StructureNumber(const Family& family, const VectorXd& q) {
   if (family.structures.front().structure.counts.empty()) return 0;
   if (const auto known = family.recent.Find(q)) return *known;
-  const absl::StatusOr<parametric::Structure> structure = family.function->StructureAt(q);
+  const absl::StatusOr<parametric::Structure> structure = family.design_template->StructureAt(q);
   const int number = structure.ok() ? NumberOf(*structure) : 0;
   family.recent.Add(q, number);
   return number;
 }
 
 absl::Status AddStructure(const VectorXd& q, Family* family) {
-  MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family->function, q));
+  MORTISE_ASSIGN_OR_RETURN(SurfaceDesign design, SurfaceAt(*family->design_template, q));
   if (family->Find(design.structure) != nullptr) return absl::OkStatus();
   MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<BoundDescriptor> bound,
                            family->descriptor->Bind(design.surface));
@@ -209,8 +211,8 @@ absl::Status AddStructure(const VectorXd& q, Family* family) {
 void AddStructuresOf(const std::vector<VectorXd>& samples, Family* family) {
   if (family->structures.front().structure.counts.empty()) return;
   for (const VectorXd& q : samples) {
-    if (family->structures.size() == kMostStructures) break;
-    const auto structure = family->function->StructureAt(q);
+    if (family->structures.size() == kMaxStructures) break;
+    const auto structure = family->design_template->StructureAt(q);
     if (!structure.ok() || family->Find(*structure) != nullptr) continue;
     // One that cannot be made is no family of designs.
     AddStructure(q, family).IgnoreError();
@@ -220,19 +222,19 @@ void AddStructuresOf(const std::vector<VectorXd>& samples, Family* family) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
-    std::shared_ptr<const templates::Template> function,
+    std::shared_ptr<const templates::Template> design_template,
     std::shared_ptr<const Descriptor> descriptor, std::shared_ptr<DescribedDesigns> shared,
     std::size_t place) {
-  MORTISE_ASSIGN_OR_RETURN(ParameterDomain box, DomainOf(*function));
+  MORTISE_ASSIGN_OR_RETURN(ParameterDomain box, DomainOf(*design_template));
   ManifoldFunctions functions;
   functions.lower = std::move(box.lower);
   functions.upper = std::move(box.upper);
   functions.cuts = std::move(box.cuts);
   auto family = std::make_shared<Family>();
-  family->function = std::move(function);
+  family->design_template = std::move(design_template);
   family->descriptor = std::move(descriptor);
   MORTISE_RETURN_IF_ERROR(
-      AddStructure(parametric::Defaults(family->function->parameters()), family.get()));
+      AddStructure(parametric::Defaults(family->design_template->parameters()), family.get()));
 
   const DescriptorProperties& properties = family->descriptor->properties();
   functions.dimension = properties.dimension;
@@ -242,7 +244,7 @@ absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
   const FunctionManifold domain(functions);
   family->constraints = domain.constraints();
   MORTISE_ASSIGN_OR_RETURN(const std::vector<VectorXd> scouts, domain.Sample(kScouts, kScoutSeed));
-  if (family->function->MeshesAnew()) {
+  if (family->design_template->MeshesAnew()) {
     family->structures.front().bound.reset();
     family->shared = std::move(shared);
     family->place = place;

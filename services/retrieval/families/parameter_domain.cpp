@@ -13,9 +13,9 @@ namespace {
 constexpr double kWithin = 1e-6;
 
 // The limits among parameters, each a little within.
-absl::StatusOr<LinearConstraints> CutsOf(const templates::Template& function,
+absl::StatusOr<LinearConstraints> CutsOf(const templates::Template& design_template,
                                          const LinearConstraints& box) {
-  MORTISE_ASSIGN_OR_RETURN(auto limits, function.LimitsAmongParameters());
+  MORTISE_ASSIGN_OR_RETURN(auto limits, design_template.LimitsAmongParameters());
   if (limits.bounds.size() == 0) return LinearConstraints{limits.normals, limits.bounds};
   const LinearConstraints all = BothConstraints(box, {limits.normals, limits.bounds});
   MORTISE_ASSIGN_OR_RETURN(const parametric::Extents extents,
@@ -26,8 +26,8 @@ absl::StatusOr<LinearConstraints> CutsOf(const templates::Template& function,
 
 }  // namespace
 
-absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& function) {
-  const std::vector<parametric::Parameter>& parameters = function.parameters();
+absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& design_template) {
+  const std::vector<parametric::Parameter>& parameters = design_template.parameters();
   const auto count = static_cast<Eigen::Index>(parameters.size());
   ParameterDomain domain;
   domain.lower.resize(count);
@@ -37,12 +37,12 @@ absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& function) {
     domain.upper[i] = parameters[static_cast<std::size_t>(i)].maximum;
   }
   MORTISE_ASSIGN_OR_RETURN(domain.cuts,
-                           CutsOf(function, BoxConstraints(domain.lower, domain.upper)));
+                           CutsOf(design_template, BoxConstraints(domain.lower, domain.upper)));
   return domain;
 }
 
 const absl::StatusOr<ParameterDomain>& KeptDomain::Get() const {
-  std::call_once(found_, [this] { domain_ = DomainOf(*function_); });
+  std::call_once(found_, [this] { domain_ = DomainOf(*design_template_); });
   return domain_;
 }
 

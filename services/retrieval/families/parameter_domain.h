@@ -23,19 +23,19 @@ struct ParameterDomain {
 
 // The domain of a template's parameters. Fails as LimitsAmongParameters. It takes up to seconds for
 // assemblies of hundreds of parts.
-absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& function);
+absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& design_template);
 
 // A domain that is found when it is first asked for, and kept. Safe to share between threads.
 class KeptDomain {
  public:
-  explicit KeptDomain(std::shared_ptr<const templates::Template> function)
-      : function_(std::move(function)) {}
+  explicit KeptDomain(std::shared_ptr<const templates::Template> design_template)
+      : design_template_(std::move(design_template)) {}
 
   // As DomainOf.
   const absl::StatusOr<ParameterDomain>& Get() const;
 
  private:
-  std::shared_ptr<const templates::Template> function_;
+  std::shared_ptr<const templates::Template> design_template_;
   mutable std::once_flag found_;
   mutable absl::StatusOr<ParameterDomain> domain_ = absl::UnknownError("has not been found");
 };

@@ -47,10 +47,10 @@ constexpr Index kScorePoints = 500;
 constexpr std::uint64_t kSeed = 11;
 constexpr int kQuarterTurns = 4;
 constexpr double kFirstReach = 0.3;  // of the diagonal: what is further off hardly counts at first
-constexpr double kLeastReach = 0.004;  // of the diagonal: and in the end, without noise
-constexpr double kReachOfNoise = 3;    // deviations, with noise
-constexpr double kShrink = 0.75;       // of the reach, from step to step
-constexpr double kTrust = 0.35;        // of each range, in one step
+constexpr double kMinReach = 0.004;  // of the diagonal: and in the end, without noise
+constexpr double kReachOfNoise = 3;  // deviations, with noise
+constexpr double kShrink = 0.75;     // of the reach, from step to step
+constexpr double kTrust = 0.35;      // of each range, in one step
 constexpr int kCoarseRounds = 6;
 constexpr int kStepsOfRound = 4;
 constexpr double kAlike = 0.85;         // cosine of normals, in the end
@@ -268,7 +268,7 @@ class DesignFit {
                      Fitted* fitted) {
     const double diagonal = query.points().diagonal * fitted->placement.pose.scale;
     const double noise = query.points().noise * fitted->placement.pose.scale;
-    const double least = std::max(kLeastReach * diagonal, kReachOfNoise * noise);
+    const double least = std::max(kMinReach * diagonal, kReachOfNoise * noise);
     const double done = std::max(kDone, kDoneOfNoise * noise / diagonal);
     double reach = from_afar ? kFirstReach * diagonal : least;
     for (int round = 0; round < rounds; ++round) {

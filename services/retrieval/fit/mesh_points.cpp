@@ -13,8 +13,8 @@ using Eigen::Index;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kLeastArea = 2e-5;  // of the whole area: what smaller triangles have no point of
-constexpr double kOutside = 0.25;    // of a barycentric coordinate
+constexpr double kMinArea = 2e-5;  // of the whole area: what smaller triangles have no point of
+constexpr double kOutside = 0.25;  // of a barycentric coordinate
 constexpr std::uint64_t kSeed = 3;
 
 Vector3d AreaOf(const mesh::SurfaceMesh& surface, Index triangle) {
@@ -50,7 +50,7 @@ MeshPoints SampleSurface(const mesh::SurfaceMesh& surface, Index count) {
   }
   for (int t = 0; t < surface.triangles.cols(); ++t) {
     if (has_point[static_cast<std::size_t>(t)]) continue;
-    if (AreaOf(surface, t).norm() >= kLeastArea * whole) triangles.push_back(t);
+    if (AreaOf(surface, t).norm() >= kMinArea * whole) triangles.push_back(t);
   }
   MeshPoints points;
   points.triangles = Eigen::Map<Eigen::VectorXi>(triangles.data(), Index(triangles.size()));

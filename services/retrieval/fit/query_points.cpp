@@ -14,9 +14,9 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr double kReachOfNoise = 2;       // a patch reaches as far as so many deviations
-constexpr double kLongestReach = 0.05;    // of the diagonal
-constexpr std::size_t kMostOfPatch = 80;  // triangles
+constexpr double kReachOfNoise = 2;      // a patch reaches as far as so many deviations
+constexpr double kMaxReach = 0.05;       // of the diagonal
+constexpr std::size_t kMaxOfPatch = 80;  // triangles
 
 // The mean of a patch of the surface around a triangle.
 struct Patch {
@@ -41,7 +41,7 @@ class PatchWalk {
     const int mark = ++walks_;
     walk_.assign(1, triangle);
     visited_[static_cast<std::size_t>(triangle)] = mark;
-    for (std::size_t i = 0; i < walk_.size() && walk_.size() < kMostOfPatch; ++i) {
+    for (std::size_t i = 0; i < walk_.size() && walk_.size() < kMaxOfPatch; ++i) {
       for (int k = 0; k < 3; ++k) {
         const int next = surface_.neighbours(k, walk_[i]);
         if (next < 0 || visited_[static_cast<std::size_t>(next)] == mark) continue;
@@ -88,7 +88,7 @@ absl::StatusOr<QueryPoints> MakeQueryPoints(const mesh::SurfaceMesh& surface, In
   points.smoothed.resize(3, count);
   points.normals.resize(3, count);
   points.sided.resize(static_cast<std::size_t>(count));
-  PatchWalk walk(welded, std::min(kReachOfNoise * points.noise, kLongestReach * welded.diagonal));
+  PatchWalk walk(welded, std::min(kReachOfNoise * points.noise, kMaxReach * welded.diagonal));
   for (Index i = 0; i < count; ++i) {
     const int triangle = samples.TriangleOf(i);
     points.places.col(i) =

@@ -23,10 +23,10 @@ using Eigen::Matrix3Xi;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double kSamePlace = 1e-7;    // of the diagonal
-constexpr double kNoArea = 1e-12;      // of the diagonal squared
-constexpr double kLeastVolume = 3e-4;  // of the area to the power of 3/2: less is flat
-constexpr int kFewVertices = 50;       // of whose noise nothing can be said
+constexpr double kSamePlace = 1e-7;  // of the diagonal
+constexpr double kNoArea = 1e-12;    // of the diagonal squared
+constexpr double kMinVolume = 3e-4;  // of the area to the power of 3/2: less is flat
+constexpr int kFewVertices = 50;     // of whose noise nothing can be said
 constexpr double kMuchLess = 0.3;
 constexpr std::size_t kFewTriangles = 50;  // of whose noise nothing can be said
 // The median of NoiseAround's least with one, two and three neighbours and noise of a deviation of
@@ -127,7 +127,7 @@ class Turner {
       const Vector3d out = (over[i] ? -1 : 1) * surface_.areas.col(piece[i]);
       volume += out.dot(CentreOf(piece[i]) - middle) / 3;
     }
-    const bool bounds = std::abs(volume) > kLeastVolume * area * std::sqrt(area);
+    const bool bounds = std::abs(volume) > kMinVolume * area * std::sqrt(area);
     for (std::size_t i = 0; i < piece.size(); ++i) {
       surface_.sided[static_cast<std::size_t>(piece[i])] = bounds;
       if (over[i] != (bounds && volume < 0)) TurnOver(piece[i]);

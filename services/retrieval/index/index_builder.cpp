@@ -19,12 +19,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kMostLeading = 64;          // d
-constexpr Index kMostForCovariance = 4096;  // centres, evenly spread over the collection
+constexpr Index kMaxLeading = 64;          // d
+constexpr Index kMaxForCovariance = 4096;  // centres, evenly spread over the collection
 constexpr int kLeafSize = 16;
-constexpr int kGroupSize = 256;      // of a leaf that is one group
-constexpr double kMostMisfit = 0.1;  // within a group, of the largest radius
-constexpr double kMostDrift = 0.25;  // within a group, of the collection's extent
+constexpr int kGroupSize = 256;     // of a leaf that is one group
+constexpr double kMaxMisfit = 0.1;  // within a group, of the largest radius
+constexpr double kMaxDrift = 0.25;  // within a group, of the collection's extent
 constexpr double kSlack = 1e-6;  // of a bound's radius and place: axes of floats are not quite unit
 
 std::string Named(const FamilyCover& cover, std::size_t primitive) {
@@ -99,7 +99,7 @@ bool HasShapeOf(const Primitive& first, const Primitive& other) {
     misfit += other.radii[i] * std::sqrt(std::max(0.0, turned)) +
               std::max(0.0, other.radii[i] - first.radii[i]);
   }
-  return misfit <= kMostMisfit * LargestRadius(first);
+  return misfit <= kMaxMisfit * LargestRadius(first);
 }
 
 class Builder {
@@ -128,7 +128,7 @@ class Builder {
   void FindComponents() {
     const Index size = items_.front().primitive->center.size();
     const Index total = static_cast<Index>(items_.size());
-    const Index used = std::min(total, kMostForCovariance);
+    const Index used = std::min(total, kMaxForCovariance);
     MatrixXd centers(size, used);
     for (Index i = 0; i < used; ++i) {
       centers.col(i) = items_[static_cast<std::size_t>(i * total / used)].primitive->center;
@@ -137,7 +137,7 @@ class Builder {
     centers.colwise() -= mean_;
     extent_ = std::sqrt(centers.squaredNorm() / static_cast<double>(used));
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(centers * centers.transpose());
-    components_ = solver.eigenvectors().rightCols(std::min(size, kMostLeading)).rowwise().reverse();
+    components_ = solver.eigenvectors().rightCols(std::min(size, kMaxLeading)).rowwise().reverse();
     arrays_.mean.assign(mean_.begin(), mean_.end());
     arrays_.components.assign(components_.data(), components_.data() + components_.size());
   }
@@ -183,7 +183,7 @@ class Builder {
 
   // Whether an item is nearly the same as the first of a group, and near it.
   bool BelongsTo(const Item& seed, const Item& item) const {
-    return (item.place - seed.place).norm() <= kMostDrift * extent_ &&
+    return (item.place - seed.place).norm() <= kMaxDrift * extent_ &&
            HasShapeOf(*seed.primitive, *item.primitive);
   }
 

@@ -44,7 +44,7 @@ struct Header {
   std::uint64_t file_bytes = 0;
   std::uint64_t about_bytes = 0;
   IndexSizes sizes;
-  std::array<char, kMostDescriptorName + 1> descriptor = {};  // filled up with zeros
+  std::array<char, kMaxDescriptorName + 1> descriptor = {};  // filled up with zeros
   std::array<SectionEntry, kSectionNames.size()> sections = {};
   DigestText digest = {};  // of all before it
 };
@@ -198,9 +198,9 @@ absl::StatusOr<IndexArrays> ArraysOf(const Header& header, std::string_view byte
 
 absl::StatusOr<std::string> IndexBytes(const PrimitiveIndex& index, std::string_view descriptor,
                                        std::string_view about) {
-  if (descriptor.empty() || descriptor.size() > kMostDescriptorName ||
+  if (descriptor.empty() || descriptor.size() > kMaxDescriptorName ||
       descriptor.find('\0') != std::string_view::npos) {
-    return InvalidField("descriptor", absl::StrCat("must have 1 to ", kMostDescriptorName,
+    return InvalidField("descriptor", absl::StrCat("must have 1 to ", kMaxDescriptorName,
                                                    " bytes, none of them zero"));
   }
   Header header{.version = kIndexVersion,

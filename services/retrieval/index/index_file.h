@@ -18,7 +18,7 @@
 namespace mortise::retrieval {
 
 inline constexpr std::uint32_t kIndexVersion = 2;
-inline constexpr std::size_t kMostDescriptorName = 63;  // bytes
+inline constexpr std::size_t kMaxDescriptorName = 63;  // bytes
 
 // An index that was read.
 struct StoredIndex {

@@ -21,7 +21,7 @@ using Eigen::Map;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kMostDescriptors = 4;
+constexpr std::size_t kMaxDescriptors = 4;
 // Of a bound: what rounding may take off a distance. Far more than it does, far less than matters.
 constexpr double kSlack = 1e-5;
 constexpr double kLittle = 0.02;  // of a square
@@ -337,7 +337,7 @@ PrimitiveIndex::PrimitiveIndex(IndexArrays arrays, std::shared_ptr<const void> o
 
 absl::Status PrimitiveIndex::Check(const IndexQuery& query) const {
   if (query.count < 1) return InvalidField("count", "must be at least 1");
-  if (query.descriptors.empty() || query.descriptors.size() > kMostDescriptors) {
+  if (query.descriptors.empty() || query.descriptors.size() > kMaxDescriptors) {
     return InvalidField("descriptors", "there must be one to four");
   }
   for (std::size_t i = 0; i < query.descriptors.size(); ++i) {

@@ -25,12 +25,12 @@ namespace {
 
 // What a task asks for, ready to be made.
 struct FamilyWork {
-  const CompiledTemplate* compiled;
+  const SearchedTemplate* compiled;
   std::vector<std::shared_ptr<const Descriptor>> descriptors;  // of each cover
   std::shared_ptr<DescribedDesigns> designs;                   // null where they share none
 };
 
-absl::StatusOr<FamilyWork> WorkOf(const v1::CoverTask& task, const CompiledTemplate& compiled) {
+absl::StatusOr<FamilyWork> WorkOf(const v1::CoverTask& task, const SearchedTemplate& compiled) {
   FamilyWork work{.compiled = &compiled, .descriptors = {}, .designs = nullptr};
   for (const v1::WantedCover& wanted : task.covers()) {
     MORTISE_ASSIGN_OR_RETURN(std::shared_ptr<const Descriptor> descriptor,
@@ -43,18 +43,18 @@ absl::StatusOr<FamilyWork> WorkOf(const v1::CoverTask& task, const CompiledTempl
     }
     work.descriptors.push_back(std::move(descriptor));
   }
-  if (work.descriptors.size() > 1 && compiled.function->MeshesAnew()) {
-    work.designs = std::make_shared<DescribedDesigns>(compiled.function, work.descriptors);
+  if (work.descriptors.size() > 1 && compiled.design_template->MeshesAnew()) {
+    work.designs = std::make_shared<DescribedDesigns>(compiled.design_template, work.descriptors);
   }
   return work;
 }
 
 absl::StatusOr<Cover> CoverOf(const FamilyWork& work, std::size_t place, double delta,
                               const std::stop_token& stop) {
-  MORTISE_ASSIGN_OR_RETURN(
-      const std::unique_ptr<Manifold> manifold,
-      MakeFamilyManifold(work.compiled->function, work.descriptors[place], work.designs, place));
-  CoverOptions options = FamilyCoverOptions(delta, *work.compiled->function);
+  MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Manifold> manifold,
+                           MakeFamilyManifold(work.compiled->design_template,
+                                              work.descriptors[place], work.designs, place));
+  CoverOptions options = FamilyCoverOptions(delta, *work.compiled->design_template);
   options.stop = stop;
   MORTISE_ASSIGN_OR_RETURN(Cover cover, CoverByInterpolation(*manifold, options));
   if (!cover.primitives.empty()) return cover;
@@ -118,7 +118,7 @@ absl::Status MakeCovers(const v1::CoverTask& task, TemplateSource& templates,
                         const rpc::Origin& origin, const std::stop_token& stop,
                         const KeepCover& keep) {
   const v1::ShapeIndex::Family& family = task.family();
-  const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
+  const absl::StatusOr<std::shared_ptr<const SearchedTemplate>> compiled =
       templates.Get(family.template_(), family.template_revision(), origin, family.group());
   if (absl::IsNotFound(compiled.status()) || IsPassingFailure(compiled.status())) {
     return compiled.status();

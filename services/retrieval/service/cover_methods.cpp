@@ -18,7 +18,7 @@
 namespace mortise::retrieval::methods {
 namespace {
 
-constexpr std::int64_t kLargestCover = std::int64_t{1} << 30;  // bytes
+constexpr std::int64_t kMaxCover = std::int64_t{1} << 30;  // bytes
 constexpr std::size_t kKeySize = 64;
 
 // `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
@@ -50,7 +50,7 @@ using Reader = rpc::UploadReader<v1::Chunk, v1::UploadCoverResponse>;
 // Receives the file of a cover. One that was damaged since it was stored is replaced.
 class CoverReader final : public Reader {
  public:
-  explicit CoverReader(store::BlobFolder* blobs) : assembler_(blobs, kLargestCover) {}
+  explicit CoverReader(store::BlobFolder* blobs) : assembler_(blobs, kMaxCover) {}
 
   absl::Status OnMessage(const v1::Chunk& chunk) override { return assembler_.Append(chunk); }
 

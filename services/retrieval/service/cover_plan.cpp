@@ -20,7 +20,7 @@ namespace {
 // What is known of a template without making designs; `compiled` is null where the template cannot
 // be compiled.
 v1::ShapeIndex::Family FamilyOf(const v1::Template& head, const std::string& group,
-                                const CompiledTemplate* compiled) {
+                                const SearchedTemplate* compiled) {
   v1::ShapeIndex::Family family;
   family.set_template_(head.name());
   family.set_group(group);
@@ -30,7 +30,7 @@ v1::ShapeIndex::Family FamilyOf(const v1::Template& head, const std::string& gro
   *family.mutable_create_time() = head.create_time();
   family.set_title(compiled ? compiled->title : head.title());
   if (!compiled) return family;
-  const templates::TemplateHead& made = compiled->function->head();
+  const templates::TemplateHead& made = compiled->design_template->head();
   for (const parametric::Parameter& each : made.parameters) family.add_parameters(each.name);
   for (const parametric::Item& each : made.items) family.add_items(each.name);
   for (const parametric::Material& each : made.materials) family.add_materials(each.name);
@@ -130,7 +130,7 @@ absl::StatusOr<std::set<std::string>> CoverPlan::Plan(const v1::Template& head) 
 // sub-tree holds together by itself.
 absl::StatusOr<bool> CoverPlan::PlanGroup(const v1::Template& head, const std::string& group,
                                           const Targets& targets, std::set<std::string>* keys) {
-  const absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
+  const absl::StatusOr<std::shared_ptr<const SearchedTemplate>> compiled =
       building_.templates.Get(head.name(), head.revision(), Origin(), group);
   if (absl::IsNotFound(compiled.status())) return false;  // removed meanwhile
   // Only what is wrong with the template itself is told in its cover.

@@ -18,7 +18,7 @@ namespace mortise::retrieval {
 class CoverPlan {
  public:
   // All outlive it. `anew`: covers that there are do not count.
-  CoverPlan(const IndexBuilding& building, jobs::OperationContext& context,
+  CoverPlan(const IndexBuilding& building, operations::OperationContext& context,
             std::vector<IndexTarget>& targets, bool anew)
       : building_(building), context_(context), targets_(targets), anew_(anew) {}
 
@@ -51,7 +51,7 @@ class CoverPlan {
   rpc::Origin Origin() const;
 
   const IndexBuilding& building_;
-  jobs::OperationContext& context_;
+  operations::OperationContext& context_;
   std::vector<IndexTarget>& targets_;
   const bool anew_;
 };

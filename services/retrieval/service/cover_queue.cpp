@@ -19,7 +19,7 @@ namespace mortise::retrieval {
 namespace {
 
 constexpr int kPage = 100;
-constexpr int kMostAttempts = 5;
+constexpr int kMaxAttempts = 5;
 constexpr absl::Duration kAgainAfter = absl::Seconds(1);
 
 bool HasEndedIn(const store::Task& task) {
@@ -128,7 +128,7 @@ absl::StatusOr<std::string> CoverQueue::Enqueue(const v1::CoverTask& task) {
         .EnqueueTasks({{.queue = kCoverQueue,
                         .key = key,
                         .payload = task.SerializeAsString(),
-                        .max_attempts = kMostAttempts}})
+                        .max_attempts = kMaxAttempts}})
         .status();
   }));
   Tell(std::nullopt);

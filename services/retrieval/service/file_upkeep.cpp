@@ -47,7 +47,7 @@ absl::Status AddMeshes(store::ReadTransaction& read, std::set<std::string>* name
 }  // namespace
 
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder) {
   rpc::NamedFiles files;
   files.by_store = [](store::ReadTransaction& read, std::set<std::string>* named) -> absl::Status {

@@ -15,7 +15,7 @@ namespace mortise::retrieval {
 // Removes what no cover, no index and no uploaded mesh names, as rpc::RemoveUnusedFiles does: what
 // a search still reads stays readable to it.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder);
 
 class FileUpkeep {

@@ -15,8 +15,8 @@
 namespace mortise::retrieval {
 namespace {
 
-constexpr int kMostLackingShown = 5;
-constexpr int kMostOffered = 20;  // names for which others are looked for that are like them
+constexpr int kMaxLackingShown = 5;
+constexpr int kMaxOffered = 20;  // names for which others are looked for that are like them
 
 // What the index knows by name.
 struct KnownNames {
@@ -60,7 +60,7 @@ absl::Status CheckNames(const std::vector<Named>& named, std::set<std::string> k
   for (const Named& each : unknown) {
     if (known.contains(each.name)) continue;
     const std::string id = each.name.substr(each.name.find('/') + 1);
-    const std::string offered = ++told > kMostOffered ? "" : NamesOffered(id, ids);
+    const std::string offered = ++told > kMaxOffered ? "" : NamesOffered(id, ids);
     status = CombineViolations(
         status,
         InvalidField(each.field, absl::StrCat("there is no ", kind, " '", id, "'", offered)));
@@ -128,7 +128,7 @@ std::vector<std::string> CountDesigns(const DesignFilter& filter, const FilterTa
 std::string LackingText(const FilterTally& tally) {
   std::vector<std::string> texts;
   for (const LackingItem& each : tally.lacking) {
-    if (static_cast<int>(texts.size()) == kMostLackingShown) {
+    if (static_cast<int>(texts.size()) == kMaxLackingShown) {
       texts.emplace_back("more");
       break;
     }

@@ -42,7 +42,7 @@ bool IsCurrent(const v1::ShapeIndex& index, const std::vector<v1::Template>& tem
 }  // namespace
 
 absl::StatusOr<v1::ShapeIndex> PutIndexTogether(const IndexBuilding& building,
-                                                jobs::OperationContext& context,
+                                                operations::OperationContext& context,
                                                 const IndexTarget& target,
                                                 const std::vector<v1::Template>& templates) {
   store::Store& store = *building.environment.store;

@@ -15,7 +15,7 @@ namespace mortise::retrieval {
 // was, and tells of it. A family's number in its file is its place in the record. The same covers
 // give the same bytes, in whatever order they were made.
 absl::StatusOr<v1::ShapeIndex> PutIndexTogether(const IndexBuilding& building,
-                                                jobs::OperationContext& context,
+                                                operations::OperationContext& context,
                                                 const IndexTarget& target,
                                                 const std::vector<v1::Template>& templates);
 

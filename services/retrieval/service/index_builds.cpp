@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookForTurn{200};
 constexpr char kTemplatesLabel[] = "templates";
-constexpr std::size_t kMostShown = 10;
+constexpr std::size_t kMaxShown = 10;
 
-bool Builds(const jobs::Operation& operation, v1::ShapeDescriptor descriptor) {
+bool Builds(const operations::Operation& operation, v1::ShapeDescriptor descriptor) {
   v1::BuildIndexRequest request;
   if (!request.ParseFromString(operation.request)) return false;
   const auto& asked = request.shape_descriptors();
@@ -28,16 +28,16 @@ bool Builds(const jobs::Operation& operation, v1::ShapeDescriptor descriptor) {
 }
 
 // The newest operation of those that build the index of a descriptor and that `takes`.
-absl::StatusOr<std::optional<jobs::Operation>> NewestBuild(
-    jobs::Operations& operations, v1::ShapeDescriptor descriptor,
-    const std::vector<jobs::OperationState>& states,
-    const std::function<bool(const jobs::Operation&)>& takes = {}) {
-  std::optional<jobs::Operation> newest;
+absl::StatusOr<std::optional<operations::Operation>> NewestBuild(
+    operations::Operations& operations, v1::ShapeDescriptor descriptor,
+    const std::vector<operations::OperationState>& states,
+    const std::function<bool(const operations::Operation&)>& takes = {}) {
+  std::optional<operations::Operation> newest;
   MORTISE_RETURN_IF_ERROR(
-      operations.Visit("", {.states = states, .kind = jobs::kIndexOperation, .takes = takes},
-                       [&]() -> jobs::Operations::Visitor {
+      operations.Visit("", {.states = states, .kind = operations::kIndexOperation, .takes = takes},
+                       [&]() -> operations::Operations::Visitor {
                          newest.reset();
-                         return [&](const jobs::Operation& operation) {
+                         return [&](const operations::Operation& operation) {
                            if (!Builds(operation, descriptor)) return true;
                            newest = operation;
                            return false;
@@ -48,37 +48,38 @@ absl::StatusOr<std::optional<jobs::Operation>> NewestBuild(
 
 }  // namespace
 
-jobs::OperationTags TagsOf(const Revisions& templates) {
+operations::OperationTags TagsOf(const Revisions& templates) {
   std::string text;
   for (const auto& [name, revision] : templates) absl::StrAppend(&text, name, " ", revision, "\n");
   return {.labels = {{kTemplatesLabel, Sha256Hex(text)}}};
 }
 
-absl::StatusOr<std::optional<std::string>> BuildUnderWay(jobs::Operations& operations,
+absl::StatusOr<std::optional<std::string>> BuildUnderWay(operations::Operations& operations,
                                                          v1::ShapeDescriptor descriptor) {
   MORTISE_ASSIGN_OR_RETURN(
-      const std::optional<jobs::Operation> found,
+      const std::optional<operations::Operation> found,
       NewestBuild(operations, descriptor,
-                  {jobs::OperationState::kPending, jobs::OperationState::kRunning}));
+                  {operations::OperationState::kPending, operations::OperationState::kRunning}));
   if (!found) return std::nullopt;
   return found->name;
 }
 
-absl::StatusOr<bool> IsGivenUp(jobs::Operations& operations, v1::ShapeDescriptor descriptor,
+absl::StatusOr<bool> IsGivenUp(operations::Operations& operations, v1::ShapeDescriptor descriptor,
                                const Revisions& templates) {
   // What others cancelled was asked for by them.
-  MORTISE_ASSIGN_OR_RETURN(const std::optional<jobs::Operation> last,
-                           NewestBuild(operations, descriptor, {}, [](const jobs::Operation& each) {
-                             return each.creator == kUpkeepCreator ||
-                                    each.state != jobs::OperationState::kCancelled;
-                           }));
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::optional<operations::Operation> last,
+      NewestBuild(operations, descriptor, {}, [](const operations::Operation& each) {
+        return each.creator == kUpkeepCreator ||
+               each.state != operations::OperationState::kCancelled;
+      }));
   return last && last->creator == kUpkeepCreator &&
-         last->state == jobs::OperationState::kCancelled &&
+         last->state == operations::OperationState::kCancelled &&
          last->tags.labels == TagsOf(templates).labels;
 }
 
 absl::StatusOr<std::unique_lock<std::timed_mutex>> BuildTurn::Take(
-    jobs::OperationContext& context) {
+    operations::OperationContext& context) {
   std::unique_lock turn(turn_, std::defer_lock);
   while (!turn.try_lock_for(kLookForTurn)) {
     if (context.Cancelled()) return absl::CancelledError("the build was cancelled");
@@ -100,7 +101,7 @@ std::string WhoLeft(const v1::ShapeIndex& before, const v1::ShapeIndex& after,
   for (const v1::ShapeIndex::Family& family : after.families()) left.erase(family.template_());
   if (left.empty()) return "";
   const std::vector<std::string> names(left.begin(), left.end());
-  const std::size_t shown = std::min(names.size(), kMostShown);
+  const std::size_t shown = std::min(names.size(), kMaxShown);
   return absl::StrCat(names.size(), names.size() == 1 ? " template has" : " templates have",
                       " left ", after.name(), ", as their covers are of delta ", before.delta(),
                       " and it is now of ", after.delta(), ": ",

@@ -20,16 +20,16 @@ inline constexpr char kUpkeepCreator[] = "services/retrieval";
 using Revisions = std::map<std::string, std::int64_t>;
 
 // What tells builds of the service apart by the templates that they were started for.
-jobs::OperationTags TagsOf(const Revisions& templates);
+operations::OperationTags TagsOf(const Revisions& templates);
 
 // The name of an operation that builds the index of a descriptor, or waits to; nothing if there is
 // none.
-absl::StatusOr<std::optional<std::string>> BuildUnderWay(jobs::Operations& operations,
+absl::StatusOr<std::optional<std::string>> BuildUnderWay(operations::Operations& operations,
                                                          v1::ShapeDescriptor descriptor);
 
 // Whether somebody cancelled the build of an index that the service had started for the templates
 // as they are, and nobody has asked for another since that came to its end.
-absl::StatusOr<bool> IsGivenUp(jobs::Operations& operations, v1::ShapeDescriptor descriptor,
+absl::StatusOr<bool> IsGivenUp(operations::Operations& operations, v1::ShapeDescriptor descriptor,
                                const Revisions& templates);
 
 // One build goes on at a time: two of different δ would mix their covers. Thread safe.
@@ -37,7 +37,7 @@ class BuildTurn {
  public:
   // Returns when no other build goes on, and tells as the operation's progress which one it waits
   // for; others wait until what is returned goes away. CANCELLED when the operation is to stop.
-  absl::StatusOr<std::unique_lock<std::timed_mutex>> Take(jobs::OperationContext& context);
+  absl::StatusOr<std::unique_lock<std::timed_mutex>> Take(operations::OperationContext& context);
 
  private:
   std::timed_mutex turn_;

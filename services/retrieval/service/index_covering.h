@@ -21,7 +21,8 @@ namespace mortise::retrieval {
 class IndexCovering {
  public:
   // All outlive it.
-  IndexCovering(const IndexBuilding& building, jobs::OperationContext& context, CoverPlan& plan)
+  IndexCovering(const IndexBuilding& building, operations::OperationContext& context,
+                CoverPlan& plan)
       : building_(building), context_(context), plan_(plan) {}
 
   // Returns when all covers of the templates that are asked for are there, each as it is or with
@@ -40,7 +41,7 @@ class IndexCovering {
   std::int64_t CountDone();
 
   const IndexBuilding& building_;
-  jobs::OperationContext& context_;
+  operations::OperationContext& context_;
   CoverPlan& plan_;
   std::mutex mutex_;
   // By template, which of its tasks may not have ended; guarded by mutex_.

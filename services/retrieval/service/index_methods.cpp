@@ -62,10 +62,11 @@ absl::StatusOr<Checked> PrepareBuild(const Retrieval& retrieval, const rpc::Call
 absl::StatusOr<v1::Operation> BuildIndex(const Retrieval& retrieval, const rpc::Call& call,
                                          const v1::BuildIndexRequest& request, Checked&,
                                          store::Transaction& transaction) {
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
-                           retrieval.environment.operations->Start(
-                               transaction, rpc::OperationOf(call, jobs::kIndexOperation, "indexes",
-                                                             request.SerializeAsString())));
+  MORTISE_ASSIGN_OR_RETURN(
+      const operations::Operation operation,
+      retrieval.environment.operations->Start(
+          transaction, rpc::OperationOf(call, operations::kIndexOperation, "indexes",
+                                        request.SerializeAsString())));
   return rpc::ToProto(operation);
 }
 
@@ -95,7 +96,7 @@ absl::StatusOr<v1::ShapeIndex> GetIndex(const Retrieval& retrieval, const rpc::C
   MORTISE_ASSIGN_OR_RETURN(v1::ShapeIndex index,
                            kIndexes.Get(*retrieval.environment.store, request.name()));
   index.set_fault(FaultOf(retrieval, index));
-  resources::PageRoom room(resources::kLargestPageSize);
+  resources::PageRoom room(resources::kMaxPageSize);
   int shown = 0;
   while (shown < index.families_size() && room.Take(index.families(shown).ByteSizeLong())) ++shown;
   index.mutable_families()->DeleteSubrange(shown, index.families_size() - shown);

@@ -23,7 +23,7 @@ namespace mortise::retrieval {
 namespace {
 
 // Shapes that have nothing in common are no further apart, in natural scales of a descriptor.
-constexpr double kLargestDelta = 2;
+constexpr double kMaxDelta = 2;
 
 // Whether it is not so large that an index would tell nothing apart.
 absl::Status CheckDelta(double delta, v1::ShapeDescriptor kind) {
@@ -31,7 +31,7 @@ absl::Status CheckDelta(double delta, v1::ShapeDescriptor kind) {
   if (!(delta > 0)) return InvalidField("delta", "must be above 0, or 0 for a default");
   MORTISE_ASSIGN_OR_RETURN(const std::unique_ptr<Descriptor> descriptor,
                            MakeDescriptor(IndexIdOf(kind)));
-  const double largest = kLargestDelta * descriptor->properties().natural_scale;
+  const double largest = kMaxDelta * descriptor->properties().natural_scale;
   if (delta <= largest) return absl::OkStatus();
   return InvalidField("delta", absl::StrCat("must be at most ", largest, " of ", IndexIdOf(kind),
                                             ": all shapes are as near to each other as that"));
@@ -115,7 +115,7 @@ absl::Status CheckTemplates(const v1::BuildIndexRequest& request,
 }
 
 absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
-                                              jobs::OperationContext& context) {
+                                              operations::OperationContext& context) {
   v1::BuildIndexRequest request;
   if (!request.ParseFromString(context.request())) {
     return StorageFailed(context.name(), "the request is not readable");

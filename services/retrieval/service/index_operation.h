@@ -69,6 +69,6 @@ struct IndexBuilding {
 // Cancelled, it keeps the covers that are done, and the indexes stay as they were.
 // FAILED_PRECONDITION, NO_TEMPLATES, where there is nothing to make an index of.
 absl::StatusOr<std::string> RunIndexOperation(const IndexBuilding& building,
-                                              jobs::OperationContext& context);
+                                              operations::OperationContext& context);
 
 }  // namespace mortise::retrieval

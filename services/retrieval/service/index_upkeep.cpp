@@ -60,19 +60,19 @@ absl::StatusOr<std::vector<v1::ShapeIndex>> AllIndexes(store::ReadTransaction& t
   return indexes;
 }
 
-absl::StatusOr<bool> IsBuilding(jobs::Operations& operations) {
+absl::StatusOr<bool> IsBuilding(operations::Operations& operations) {
   bool is_building = false;
-  MORTISE_RETURN_IF_ERROR(
-      operations.Visit("",
-                       {.states = {jobs::OperationState::kPending, jobs::OperationState::kRunning},
-                        .kind = jobs::kIndexOperation},
-                       [&is_building]() -> jobs::Operations::Visitor {
-                         is_building = false;
-                         return [&is_building](const jobs::Operation&) {
-                           is_building = true;
-                           return false;
-                         };
-                       }));
+  MORTISE_RETURN_IF_ERROR(operations.Visit(
+      "",
+      {.states = {operations::OperationState::kPending, operations::OperationState::kRunning},
+       .kind = operations::kIndexOperation},
+      [&is_building]() -> operations::Operations::Visitor {
+        is_building = false;
+        return [&is_building](const operations::Operation&) {
+          is_building = true;
+          return false;
+        };
+      }));
   return is_building;
 }
 
@@ -192,7 +192,7 @@ absl::Status IndexUpkeep::StartBuild(store::Transaction& transaction,
                                      const v1::BuildIndexRequest& request,
                                      const Revisions& present) {
   return environment_.operations
-      ->Start(transaction, {.kind = jobs::kIndexOperation,
+      ->Start(transaction, {.kind = operations::kIndexOperation,
                             .request = request.SerializeAsString(),
                             .subject = "indexes",
                             .creator = kUpkeepCreator,

@@ -49,7 +49,7 @@ absl::StatusOr<MatchDesign> DesignOf(const IndexMatch& match, const LoadedIndex&
   MORTISE_ASSIGN_OR_RETURN(
       made.compiled,
       templates.Get(family.template_(), family.template_revision(), origin, family.group()));
-  MORTISE_ASSIGN_OR_RETURN(made.design, made.compiled->function->Evaluate(
+  MORTISE_ASSIGN_OR_RETURN(made.design, made.compiled->design_template->Evaluate(
                                             index.primitives.PrimitiveOf(match).parameters));
   return made;
 }
@@ -64,7 +64,8 @@ absl::StatusOr<std::shared_ptr<const DesignFacts>> MatchFacts::Get(const IndexMa
     const absl::StatusOr<MatchDesign> made = DesignOf(match, index, templates_, origin);
     if (IsPassingFailure(made.status())) return made.status();
     auto facts = std::make_shared<const DesignFacts>(
-        made.ok() ? FactsOf(made->design, made->compiled->function->head().items) : DesignFacts());
+        made.ok() ? FactsOf(made->design, made->compiled->design_template->head().items)
+                  : DesignFacts());
     const std::size_t bytes = BytesOf(key, *facts);
     return Made{std::move(facts), bytes};
   });

@@ -20,7 +20,7 @@ namespace mortise::retrieval {
 
 // A design as its template makes it.
 struct MatchDesign {
-  std::shared_ptr<const CompiledTemplate> compiled;
+  std::shared_ptr<const SearchedTemplate> compiled;
   parametric::EvaluatedDesign design;
 };
 

@@ -33,7 +33,7 @@ constexpr double kOfAnotherUnit = 8;
 
 // What became of one match.
 struct MatchFit {
-  std::shared_ptr<const CompiledTemplate> compiled;
+  std::shared_ptr<const SearchedTemplate> compiled;
   absl::StatusOr<FittedDesign> fitted;
   mesh::SurfaceMesh surface;  // in the query's frame
   double size = 0;            // m, of the design: its box's diagonal
@@ -86,7 +86,7 @@ absl::StatusOr<FittedDesign> Fit(const FitTask& task, const FitQuery& query,
   const absl::Time begin = absl::Now(), end = time.EndOfNext();
   MORTISE_ASSIGN_OR_RETURN(const std::vector<FitStart> starts, StartsOf(task, match));
   MORTISE_ASSIGN_OR_RETURN(const ParameterDomain domain, fit->compiled->domain->Get());
-  const FitFamily family = SurfacesOf(fit->compiled->function, domain);
+  const FitFamily family = SurfacesOf(fit->compiled->design_template, domain);
   FitOptions options;
   options.scale_is_free = !task.query.unit_is_known;
   options.descriptor = task.index.descriptor.get();
@@ -191,7 +191,8 @@ absl::StatusOr<std::vector<FitEntry>> FitMatches(const FitTask& task, TemplateSo
       match.mutable_fit()->set_fault(std::string(fitted.status().message()));
       continue;
     }
-    Tell(*fitted, *fits[i].compiled->function, !task.query.unit_is_known, match.mutable_fit());
+    Tell(*fitted, *fits[i].compiled->design_template, !task.query.unit_is_known,
+         match.mutable_fit());
     drawn.push_back(EntryOf(match, std::move(fits[i].surface)));
   }
   return drawn;

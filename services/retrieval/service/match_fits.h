@@ -17,7 +17,7 @@
 
 namespace mortise::retrieval {
 
-inline constexpr int kMostFits = 20;  // matches of one search
+inline constexpr int kMaxFits = 20;  // matches of one search
 
 // What fits begin with.
 struct FitTask {

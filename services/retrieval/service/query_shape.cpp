@@ -91,17 +91,17 @@ absl::StatusOr<std::set<std::string>> PartsOf(const v1::QueryDesign& query,
 
 absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSource& templates,
                                       const rpc::Origin& origin) {
-  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const CompiledTemplate> compiled,
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const SearchedTemplate> compiled,
                            templates.Get(query.template_(), query.template_revision(), origin));
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q,
-                           parametric::Complete(compiled->function->parameters(),
-                                                parametric::FromProto(query.parameters())));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q, parametric::CompleteParameters(
+                                                        compiled->design_template->parameters(),
+                                                        parametric::FromProto(query.parameters())));
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
-                           compiled->function->Evaluate(q));
+                           compiled->design_template->Evaluate(q));
   QueryShape shape{.surface = DesignSurface(design), .notes = {}, .title = compiled->title};
   if (query.parts().empty()) return shape;
   MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> parts,
-                           PartsOf(query, *compiled->function, q, design));
+                           PartsOf(query, *compiled->design_template, q, design));
   MORTISE_ASSIGN_OR_RETURN(shape.surface, DesignSurface(design, parts));
   return shape;
 }

@@ -38,7 +38,8 @@ class RetrievalAdapter final : public v1::RetrievalService::CallbackService {
         upkeep_(environment, std::move(catalog), templates_),
         files_(environment) {
     environment.operations->Register(
-        jobs::kIndexOperation, [this, blobs, cover_threads](jobs::OperationContext& context) {
+        operations::kIndexOperation,
+        [this, blobs, cover_threads](operations::OperationContext& context) {
           return RunIndexOperation(
               {retrieval_.environment, templates_, blobs, covers_, cover_threads, turn_}, context);
         });

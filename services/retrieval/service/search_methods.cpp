@@ -28,8 +28,8 @@ absl::Status CheckSearch(const v1::SearchShapesRequest& request) {
   absl::Status status;
   if (request.limit() < 0 || request.limit() > kMaxLimit) {
     status = InvalidField("limit", absl::StrCat("must be 0 to ", kMaxLimit));
-  } else if (request.fit() && request.limit() > kMostFits) {
-    status = InvalidField("limit", absl::StrCat("must be 0 to ", kMostFits, " with fit"));
+  } else if (request.fit() && request.limit() > kMaxFits) {
+    status = InvalidField("limit", absl::StrCat("must be 0 to ", kMaxFits, " with fit"));
   }
   return status;
 }

@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kBytesPerCell = 4000;  // of what makes the cells; the flow takes less
 constexpr double kOutlying = 0.001;     // of the surface: single cells may be far off
-constexpr int kFewestIterations = 200, kMostIterations = 1500;
+constexpr int kMinIterations = 200, kMaxIterations = 1500;
 
 // Turns the world into the wind's frame: the wind along x, what is up as far up as can be.
 Eigen::Matrix3d WindFrame(const Eigen::Vector3d& wind) {
@@ -43,8 +43,7 @@ Eigen::Matrix3d WindFrame(const Eigen::Vector3d& wind) {
 // Enough for drag to stay within a thousandth or two; information crosses one cell in each.
 int IterationsFor(int cells) {
   const double share = std::cbrt(cells / 30'000.0);
-  return std::clamp(static_cast<int>(kFewestIterations * share), kFewestIterations,
-                    kMostIterations);
+  return std::clamp(static_cast<int>(kMinIterations * share), kMinIterations, kMaxIterations);
 }
 
 struct Forces {

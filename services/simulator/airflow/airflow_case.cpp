@@ -24,7 +24,7 @@ constexpr double kBefore = 4, kBehind = 8, kBeside = 4;  // of the body's larges
 constexpr double kCellsPerSurfaceCell = 5;
 
 // Where cells would become more than these times those wanted, they stay coarser.
-constexpr int kMostCellsOverWanted = 4;
+constexpr int kMaxCellsOverWanted = 4;
 
 std::string Text(const Eigen::Vector3d& v) {
   return absl::StrFormat("(%.12g %.12g %.12g)", v.x(), v.y(), v.z());
@@ -331,7 +331,7 @@ AirflowDomain MakeAirflowDomain(const mesh::SurfaceMesh& body, int cells) {
       extent * Eigen::Vector3d(kBefore + kBehind, 2 * kBeside, 2 * kBeside);
   const double area = mesh::SurfaceArea(body);
   AirflowDomain domain;
-  domain.most_cells = kMostCellsOverWanted * std::max(cells, 10'000);
+  domain.most_cells = kMaxCellsOverWanted * std::max(cells, 10'000);
   double coarse = 0;
   // Cells far off and cells at the body add up to those wanted; the ones follow from the others.
   double at_body = cells;

@@ -18,8 +18,8 @@ namespace mortise::simulator {
 namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(50);
-constexpr std::size_t kMostLog = std::size_t{256} << 20;
-constexpr std::size_t kMostWords = 400;  // bytes of OpenFOAM's own
+constexpr std::size_t kMaxLog = std::size_t{256} << 20;
+constexpr std::size_t kMaxWords = 400;  // bytes of OpenFOAM's own
 
 // Tells iterations from a log as it grows: each begins with a line "Time = N".
 class IterationReader {
@@ -47,12 +47,12 @@ class IterationReader {
 
 // What OpenFOAM says of its failure, on one line.
 std::string FailureIn(const std::filesystem::path& log) {
-  const absl::StatusOr<std::string> text = ReadFile(log, kMostLog);
+  const absl::StatusOr<std::string> text = ReadFile(log, kMaxLog);
   if (!text.ok()) return "its log cannot be read";
   std::size_t begin = text->find("--> FOAM FATAL");
   if (begin != std::string::npos) begin = text->find('\n', begin);
-  if (begin == std::string::npos) begin = text->size() - std::min(text->size(), kMostWords);
-  std::string words = text->substr(begin, kMostWords);
+  if (begin == std::string::npos) begin = text->size() - std::min(text->size(), kMaxWords);
+  std::string words = text->substr(begin, kMaxWords);
   if (const std::size_t end = words.find("\n\n    From "); end != std::string::npos) {
     words.resize(end);
   }

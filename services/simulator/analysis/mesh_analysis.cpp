@@ -79,7 +79,7 @@ class Analyst {
 
  private:
   absl::Status CheckProbes() const {
-    constexpr double kMostRows = 1e6;
+    constexpr double kMaxRows = 1e6;
     const double cases = static_cast<double>(model_.load_cases.size()) +
                          static_cast<double>(model_.combinations.size()) + model_.modes + 1;
     double places = 0;
@@ -87,9 +87,9 @@ class Analyst {
       places += static_cast<double>(probe.points.size() + probe.nodes.size());
     }
     const double rows = cases * places;
-    if (rows <= kMostRows) return absl::OkStatus();
+    if (rows <= kMaxRows) return absl::OkStatus();
     return TooLarge(absl::StrFormat("a table of about %.0f rows for the probes", rows),
-                    absl::StrFormat("%.0f rows", kMostRows));
+                    absl::StrFormat("%.0f rows", kMaxRows));
   }
 
   // What the rest leaves for the factor.

@@ -1,4 +1,4 @@
-// The functions of faces and points that metrics of one's own can use, on a design that is
+// The functions of faces and points that custom metrics can use, on a design that is
 // analysed: areas, centroids, displacements, reactions, temperatures.
 #pragma once
 

@@ -16,7 +16,7 @@ namespace {
 // volume that they may have, and those beside small ones are smaller than asked.
 constexpr double kAddedForEach = 2.5;
 // The largest element's edge over the mean one's.
-constexpr double kLargestToMean = 1.25;
+constexpr double kMaxToMean = 1.25;
 constexpr double kWorthwhile = 1.2;  // a mesh with fewer times as many elements changes nothing
 
 }  // namespace
@@ -53,7 +53,7 @@ absl::StatusOr<std::optional<mesh::TetrahedralMesh>> Refinement::Next(
   for (const ErrorEstimate& estimate : estimates) {
     step.relative_error = std::max(step.relative_error, estimate.relative);
     if (estimate.relative <= wanted) continue;
-    const Eigen::VectorXd own = kLargestToMean * ElementSizes(mesh, estimate, wanted);
+    const Eigen::VectorXd own = kMaxToMean * ElementSizes(mesh, estimate, wanted);
     sizes = sizes.size() == 0 ? own : sizes.cwiseMin(own).eval();
   }
   steps_.push_back(step);

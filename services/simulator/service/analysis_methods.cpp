@@ -81,9 +81,9 @@ absl::Status CheckMeshFile(store::BlobFolder& blobs, const std::string& mesh_fil
                                        : "must be 64 lower-case hexadecimal digits");
 }
 
-absl::StatusOr<std::shared_ptr<const CompiledTemplate>> FindTemplate(
+absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> FindTemplate(
     const Simulator& simulator, const rpc::Call& call, const v1::AnalyzeDesignRequest& asked) {
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> compiled =
+  absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> compiled =
       simulator.core->templates().Get(asked.template_(), asked.template_revision(),
                                       rpc::ForwardedFrom(call));
   if (!compiled.ok() && DetailOf(compiled.status()).field == "subject") {
@@ -104,7 +104,7 @@ absl::StatusOr<Physics> PhysicsOf(const parametric::EvaluatedDesign& design,
 }
 
 // Asks for every metric that this physics gives.
-absl::Status AddMetrics(const CompiledTemplate& compiled, const Physics& physics, v1::Task& task) {
+absl::Status AddMetrics(const EvaluatedTemplate& compiled, const Physics& physics, v1::Task& task) {
   for (const MetricDescription& metric : OfferedMetrics()) {
     if (physics.Provides(metric.source)) task.add_metrics(metric.name);
   }
@@ -118,10 +118,10 @@ absl::Status AddMetrics(const CompiledTemplate& compiled, const Physics& physics
 absl::StatusOr<v1::Operation> Start(const Simulator& simulator, const rpc::Call& call,
                                     v1::Task& task, store::Transaction& transaction) {
   task.set_trace_id(call.identity().trace_id);
-  MORTISE_ASSIGN_OR_RETURN(
-      const jobs::Operation operation,
-      simulator.operations->Start(
-          transaction, rpc::OperationOf(call, jobs::kAnalysisOperation, task.subject(), task)));
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
+                           simulator.operations->Start(
+                               transaction, rpc::OperationOf(call, operations::kAnalysisOperation,
+                                                             task.subject(), task)));
   return rpc::ToProto(operation);
 }
 
@@ -137,11 +137,12 @@ absl::StatusOr<v1::Task> PrepareDesign(const Simulator& simulator, const rpc::Ca
                                        const v1::AnalyzeDesignRequest& asked) {
   MORTISE_RETURN_IF_ERROR(CheckRequest(asked));
   MORTISE_ASSIGN_OR_RETURN(const auto compiled, FindTemplate(simulator, call, asked));
-  MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd parameters,
-                           parametric::Complete(compiled->function->parameters(),
-                                                parametric::FromProto(asked.parameters())));
+  MORTISE_ASSIGN_OR_RETURN(
+      const Eigen::VectorXd parameters,
+      parametric::CompleteParameters(compiled->design_template->parameters(),
+                                     parametric::FromProto(asked.parameters())));
   MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
-                           compiled->function->Evaluate(parameters));
+                           compiled->design_template->Evaluate(parameters));
   MORTISE_ASSIGN_OR_RETURN(const Physics physics, PhysicsOf(design, asked));
   v1::Task task;
   task.set_evaluator(kSimulatorQueue);

@@ -36,8 +36,8 @@ std::string IdOf(const std::string& operation) {
 // What an analysis runs in.
 struct Run {
   SimulatorCore& core;
-  jobs::Operations& operations;
-  jobs::OperationContext& context;
+  operations::Operations& operations;
+  operations::OperationContext& context;
 };
 
 std::string KeyOf(const std::string& operation) {
@@ -45,7 +45,7 @@ std::string KeyOf(const std::string& operation) {
 }
 
 // The task of an analysis that is cancelled while nobody runs it.
-absl::Status CancelTask(store::Transaction& transaction, const jobs::Operation& operation) {
+absl::Status CancelTask(store::Transaction& transaction, const operations::Operation& operation) {
   const std::string key = KeyOf(operation.name);
   const absl::StatusOr<store::Task> task = transaction.GetTask(kSimulatorQueue, key);
   if (absl::IsNotFound(task.status())) return absl::OkStatus();
@@ -69,7 +69,7 @@ class ProgressView {
 
   // Looks at the task and tells what has changed.
   void Look() {
-    jobs::Progress seen = told_;
+    operations::Progress seen = told_;
     const absl::Status status =
         run_.core.store()->Read([&](store::ReadTransaction& read) -> absl::Status {
           const absl::Time now = run_.core.store()->Now();
@@ -95,7 +95,7 @@ class ProgressView {
   }
 
  private:
-  void Tell(const jobs::Progress& progress) {
+  void Tell(const operations::Progress& progress) {
     if (progress.done == told_.done && progress.total == told_.total &&
         progress.message == told_.message) {
       return;
@@ -106,7 +106,7 @@ class ProgressView {
 
   const Run& run_;
   const std::string key_;
-  jobs::Progress told_;
+  operations::Progress told_;
 };
 
 // Queues the task, or finds it, and waits until it has finished.
@@ -114,7 +114,7 @@ absl::StatusOr<store::Task> AwaitTask(const Run& run, const std::string& key,
                                       const std::string& payload, ProgressView& progress) {
   SimulatorCore& core = run.core;
   struct Finished {
-    jobs::Bell bell;
+    operations::Bell bell;
     std::mutex mutex;
     std::optional<store::Task> task;
   };
@@ -162,7 +162,7 @@ absl::StatusOr<store::Task> RunTask(const Run& run, const std::string& key,
 }
 
 // What the operation's worker reported, as the resource that the task was to make.
-v1::Analysis AnalysisOf(const jobs::Operation& operation, const v1::Task& task,
+v1::Analysis AnalysisOf(const operations::Operation& operation, const v1::Task& task,
                         const v1::ReportTaskRequest& report) {
   v1::Analysis analysis = report.analysis();
   analysis.set_name(absl::StrCat("analyses/", IdOf(operation.name)));
@@ -176,7 +176,7 @@ v1::Analysis AnalysisOf(const jobs::Operation& operation, const v1::Task& task,
 }
 
 absl::StatusOr<std::string> Analyse(const Run& run) {
-  jobs::OperationContext& context = run.context;
+  operations::OperationContext& context = run.context;
   v1::Task task;
   if (!task.ParseFromString(context.request())) {
     return absl::InternalError("the stored request cannot be read");
@@ -192,7 +192,8 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
   if (!report.ParseFromString(finished.result)) {
     return absl::InternalError("the worker's result cannot be read");
   }
-  MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation, run.operations.Get(context.name()));
+  MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
+                           run.operations.Get(context.name()));
   const v1::Analysis analysis = AnalysisOf(operation, task, report);
   v1::Analysis kept;
   MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
@@ -205,10 +206,11 @@ absl::StatusOr<std::string> Analyse(const Run& run) {
 
 }  // namespace
 
-void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core) {
+void RegisterAnalysis(operations::Operations& operations,
+                      const std::shared_ptr<SimulatorCore>& core) {
   operations.Register(
-      jobs::kAnalysisOperation,
-      [core, &operations](jobs::OperationContext& context) {
+      operations::kAnalysisOperation,
+      [core, &operations](operations::OperationContext& context) {
         return Analyse({*core, operations, context});
       },
       CancelTask);

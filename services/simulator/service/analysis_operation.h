@@ -3,7 +3,7 @@
 
 #include <memory>
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 
@@ -17,6 +17,7 @@ inline constexpr char kAnalysisTaskPrefix[] = "analysis-";
 // Names the handler: it queues the task that is the operation's request, waits for a worker, and
 // keeps the Analysis, with the external ids and labels of the task and who started the operation as
 // its creator.
-void RegisterAnalysis(jobs::Operations& operations, const std::shared_ptr<SimulatorCore>& core);
+void RegisterAnalysis(operations::Operations& operations,
+                      const std::shared_ptr<SimulatorCore>& core);
 
 }  // namespace mortise::simulator

@@ -8,27 +8,27 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr double kLeastStep = 1e-6;
-constexpr double kLargestStep = 0.1;
-constexpr int kMostDesigns = 20000;  // of a batch, with those beside its points
+constexpr double kMinStep = 1e-6;
+constexpr double kMaxStep = 0.1;
+constexpr int kMaxDesigns = 20000;  // of a batch, with those beside its points
 
 }  // namespace
 
 absl::Status CheckDifferences(const v1::EvaluateBatchRequest& asked, int parameters) {
   const double step = asked.difference_step();
   if (step == 0) return absl::OkStatus();
-  if (!(step >= kLeastStep && step <= kLargestStep)) {
-    return InvalidField("difference_step", absl::StrCat("must be within ", kLeastStep, " to ",
-                                                        kLargestStep, ", or 0 for no differences"));
+  if (!(step >= kMinStep && step <= kMaxStep)) {
+    return InvalidField("difference_step", absl::StrCat("must be within ", kMinStep, " to ",
+                                                        kMaxStep, ", or 0 for no differences"));
   }
   if (!asked.gradients()) {
     return InvalidField("difference_step", "is of gradients, which are not asked for");
   }
-  const int most = std::max(1, kMostDesigns / (1 + 2 * parameters));
+  const int most = std::max(1, kMaxDesigns / (1 + 2 * parameters));
   if (asked.points_size() <= most) return absl::OkStatus();
   return InvalidField("points",
                       absl::StrCat("must be up to ", most, " with differences of ", parameters,
-                                   " parameters: ", kMostDesigns, " designs in all"));
+                                   " parameters: ", kMaxDesigns, " designs in all"));
 }
 
 std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,

@@ -18,7 +18,7 @@ namespace {
 
 using MetricDescriptionMessage = v1::DesignSpace::MetricDescription;
 
-bool OffersGradient(const CompiledTemplate& compiled, const std::string& metric,
+bool OffersGradient(const EvaluatedTemplate& compiled, const std::string& metric,
                     const parametric::MetricExpressions& own) {
   if (!HasGradient(metric, own)) return false;
   const MetricDemands demands = DemandsOf({metric}, own);
@@ -26,13 +26,13 @@ bool OffersGradient(const CompiledTemplate& compiled, const std::string& metric,
   return demands.surface ? compiled.gradients.shape : compiled.gradients.mass;
 }
 
-EvaluationSubject SubjectOf(const CompiledTemplate& compiled,
+EvaluationSubject SubjectOf(const EvaluatedTemplate& compiled,
                             const parametric::MetricExpressions& own) {
   EvaluationSubject subject{.digest = compiled.digest, .queue = kSimulatorQueue};
   v1::DesignSpace& space = subject.space;
   space.set_subject(compiled.name);
   space.set_revision(compiled.revision);
-  for (const parametric::Parameter& parameter : compiled.function->parameters()) {
+  for (const parametric::Parameter& parameter : compiled.design_template->parameters()) {
     auto* described = space.add_parameters();
     described->set_name(parameter.name);
     described->set_unit(parameter.unit);
@@ -41,7 +41,7 @@ EvaluationSubject SubjectOf(const CompiledTemplate& compiled,
     described->set_default_value(parameter.default_value);
     described->set_step(parameter.step);
   }
-  for (const MetricDescription& metric : MetricsOf(*compiled.function)) {
+  for (const MetricDescription& metric : MetricsOf(*compiled.design_template)) {
     auto* described = space.add_metrics();
     described->set_name(metric.name);
     described->set_unit(metric.unit);

@@ -20,14 +20,14 @@ namespace {
 
 // Records whose revisions count how often an evaluator of a name was created; they outlive it.
 constexpr char kCreationsKind[] = "evaluator-creations";
-constexpr int kMostParameters = 200;
-constexpr int kMostMetrics = 100;
-constexpr std::size_t kLongestTitle = 200;
-constexpr std::size_t kLongestVersion = 100;
-constexpr std::size_t kLongestUnit = 50;
-constexpr std::size_t kLongestDescription = 1000;
-constexpr int kMostChoices = 1000;
-constexpr std::size_t kLongestChoice = 100;
+constexpr int kMaxParameters = 200;
+constexpr int kMaxMetrics = 100;
+constexpr std::size_t kMaxTitleLength = 200;
+constexpr std::size_t kMaxVersionLength = 100;
+constexpr std::size_t kMaxUnitLength = 50;
+constexpr std::size_t kMaxDescriptionLength = 1000;
+constexpr int kMaxChoices = 1000;
+constexpr std::size_t kMaxChoiceLength = 100;
 constexpr int kPage = 1000;
 
 absl::Status CheckLength(const std::string& text, std::size_t longest, const std::string& field) {
@@ -46,14 +46,14 @@ absl::Status CheckName(const std::string& name, const std::string& field,
 
 absl::Status CheckChoices(const v1::DesignSpace::DesignParameter& parameter,
                           const std::string& field) {
-  if (parameter.choices_size() < 2 || parameter.choices_size() > kMostChoices) {
-    return InvalidField(field + ".choices", absl::StrCat("must be 2 to ", kMostChoices));
+  if (parameter.choices_size() < 2 || parameter.choices_size() > kMaxChoices) {
+    return InvalidField(field + ".choices", absl::StrCat("must be 2 to ", kMaxChoices));
   }
   std::set<std::string> names;
   for (int i = 0; i < parameter.choices_size(); ++i) {
     const std::string& name = parameter.choices(i);
     const std::string place = absl::StrCat(field, ".choices[", i, "]");
-    MORTISE_RETURN_IF_ERROR(CheckLength(name, kLongestChoice, place));
+    MORTISE_RETURN_IF_ERROR(CheckLength(name, kMaxChoiceLength, place));
     if (name.empty()) return InvalidField(place, "must not be empty");
     if (absl::StrContains(name, ',')) return InvalidField(place, "must not have a comma");
     if (!names.insert(name).second) {
@@ -73,7 +73,7 @@ absl::Status CheckChoices(const v1::DesignSpace::DesignParameter& parameter,
 
 absl::Status CheckParameter(const v1::DesignSpace::DesignParameter& parameter,
                             const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckLength(parameter.unit(), kLongestUnit, field + ".unit"));
+  MORTISE_RETURN_IF_ERROR(CheckLength(parameter.unit(), kMaxUnitLength, field + ".unit"));
   if (!parameter.choices().empty()) MORTISE_RETURN_IF_ERROR(CheckChoices(parameter, field));
   if (parameter.minimum() >= parameter.maximum()) {
     return InvalidField(field + ".maximum", "must be above minimum");
@@ -87,11 +87,11 @@ absl::Status CheckParameter(const v1::DesignSpace::DesignParameter& parameter,
 }
 
 absl::Status CheckSpace(const v1::DesignSpace& space, const std::string& field) {
-  if (space.parameters_size() < 1 || space.parameters_size() > kMostParameters) {
-    return InvalidField(field + ".parameters", absl::StrCat("must be 1 to ", kMostParameters));
+  if (space.parameters_size() < 1 || space.parameters_size() > kMaxParameters) {
+    return InvalidField(field + ".parameters", absl::StrCat("must be 1 to ", kMaxParameters));
   }
-  if (space.metrics_size() < 1 || space.metrics_size() > kMostMetrics) {
-    return InvalidField(field + ".metrics", absl::StrCat("must be 1 to ", kMostMetrics));
+  if (space.metrics_size() < 1 || space.metrics_size() > kMaxMetrics) {
+    return InvalidField(field + ".metrics", absl::StrCat("must be 1 to ", kMaxMetrics));
   }
   std::set<std::string> names;
   for (int i = 0; i < space.parameters_size(); ++i) {
@@ -104,9 +104,9 @@ absl::Status CheckSpace(const v1::DesignSpace& space, const std::string& field) 
     const std::string place = absl::StrCat(field, ".metrics[", i, "]");
     const v1::DesignSpace::MetricDescription& metric = space.metrics(i);
     MORTISE_RETURN_IF_ERROR(CheckName(metric.name(), place + ".name", names));
-    MORTISE_RETURN_IF_ERROR(CheckLength(metric.unit(), kLongestUnit, place + ".unit"));
+    MORTISE_RETURN_IF_ERROR(CheckLength(metric.unit(), kMaxUnitLength, place + ".unit"));
     MORTISE_RETURN_IF_ERROR(
-        CheckLength(metric.description(), kLongestDescription, place + ".description"));
+        CheckLength(metric.description(), kMaxDescriptionLength, place + ".description"));
   }
   return absl::OkStatus();
 }
@@ -137,8 +137,8 @@ absl::Status CancelTasks(store::Transaction& transaction, const std::string& que
 absl::Status CheckContent(const v1::Evaluator& evaluator) {
   MORTISE_RETURN_IF_ERROR(
       ParseResourceName(evaluator.name(), kEvaluators.names, "evaluator.name").status());
-  MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.title(), kLongestTitle, "evaluator.title"));
-  MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.version(), kLongestVersion, "evaluator.version"));
+  MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.title(), kMaxTitleLength, "evaluator.title"));
+  MORTISE_RETURN_IF_ERROR(CheckLength(evaluator.version(), kMaxVersionLength, "evaluator.version"));
   const std::string& subject = evaluator.space().subject();
   if (!subject.empty() && subject != evaluator.name()) {
     return InvalidField("evaluator.space.subject", "must be the evaluator's name, or empty");

@@ -54,10 +54,10 @@ absl::Status AddQuarantined(store::ReadTransaction& read, std::set<std::string>*
 }  // namespace
 
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder) {
   rpc::NamedFiles files;
-  files.by_operation = [](const jobs::Operation& operation, std::set<std::string>* named) {
+  files.by_operation = [](const operations::Operation& operation, std::set<std::string>* named) {
     v1::Task task;
     if (task.ParseFromString(operation.request)) named->insert(task.mesh_file());
   };

@@ -9,7 +9,7 @@
 #include "absl/time/time.h"
 #include "common/store/blob_upkeep.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 namespace mortise::rpc {
@@ -25,7 +25,7 @@ namespace mortise::simulator {
 // Removes what no analysis, no unfinished operation and no quarantined task names, as
 // rpc::RemoveUnusedFiles does.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      jobs::Operations& operations,
+                                                      operations::Operations& operations,
                                                       const std::filesystem::path& folder);
 
 // Removes the progress of tasks that have ended or are gone; returns how many.
@@ -43,7 +43,7 @@ class FileUpkeep : public std::enable_shared_from_this<FileUpkeep> {
   void TidyUp();
 
   store::Store* const store_;
-  jobs::Operations* const operations_;
+  operations::Operations* const operations_;
   rpc::Dispatcher* const dispatcher_;
   const std::filesystem::path folder_;
 };

@@ -1,7 +1,7 @@
 // What the methods of SimulatorService stand on.
 #pragma once
 
-namespace mortise::jobs {
+namespace mortise::operations {
 class Operations;
 }
 namespace mortise::store {
@@ -16,7 +16,7 @@ class SimulatorCore;
 struct Simulator {
   SimulatorCore* core;       // the store, the queue and who waits for it, the catalog
   store::BlobFolder* blobs;  // files of meshes and analyses
-  jobs::Operations* operations;
+  operations::Operations* operations;
 };
 
 }  // namespace mortise::simulator

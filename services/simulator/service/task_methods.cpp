@@ -22,9 +22,9 @@
 namespace mortise::simulator::methods {
 namespace {
 
-constexpr std::size_t kLongestTaskKey = 128;
-constexpr int kMostRenewals = 1000;  // leases in one call
-constexpr int kListedAtOnce = 100;   // tasks read from the store at a time; some are large
+constexpr std::size_t kMaxTaskKeyLength = 128;
+constexpr int kMaxRenewals = 1000;  // leases in one call
+constexpr int kListedAtOnce = 100;  // tasks read from the store at a time; some are large
 
 // `seconds`, or `otherwise` for 0; INVALID_ARGUMENT naming `field` outside the range.
 absl::StatusOr<absl::Duration> Seconds(double seconds, double otherwise, double minimum,
@@ -54,7 +54,7 @@ absl::StatusOr<std::string> KnownQueueName(store::Store& store, const std::strin
 // Digests, with an evaluator's id and a dot before them or not, and operations' identifiers with a
 // prefix.
 bool IsTaskKey(const std::string& key) {
-  return !key.empty() && key.size() <= kLongestTaskKey &&
+  return !key.empty() && key.size() <= kMaxTaskKeyLength &&
          std::all_of(key.begin(), key.end(), [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
          });
@@ -221,8 +221,8 @@ absl::StatusOr<v1::RenewLeasesResponse> RenewLeases(const Simulator& simulator, 
                                                     const v1::RenewLeasesRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const absl::Duration lease,
                            Seconds(asked.lease_seconds(), 30, 1, 3600, "lease_seconds"));
-  if (asked.tasks_size() > kMostRenewals) {
-    return InvalidField("tasks", absl::StrCat("has more than ", kMostRenewals, " entries"));
+  if (asked.tasks_size() > kMaxRenewals) {
+    return InvalidField("tasks", absl::StrCat("has more than ", kMaxRenewals, " entries"));
   }
   // All are looked at before any is prolonged.
   std::vector<std::string> keys;

@@ -8,8 +8,8 @@ namespace mortise::simulator {
 namespace {
 
 constexpr char kProgressKind[] = "task-progress";  // records of v1.TaskAttempt, by the task's key
-constexpr std::size_t kLongestStage = 200;
-constexpr int kMostSteps = 1'000'000;
+constexpr std::size_t kMaxStageLength = 200;
+constexpr int kMaxSteps = 1'000'000;
 constexpr int kPage = 100;
 
 // What was told last, of whichever attempt; empty if nothing.
@@ -26,11 +26,12 @@ absl::StatusOr<v1::TaskAttempt> LastTold(store::ReadTransaction& transaction,
 }  // namespace
 
 absl::Status CheckProgress(const v1::TaskProgress& progress, const std::string& field) {
-  if (progress.stage().size() > kLongestStage) {
-    return InvalidField(field + ".stage", absl::StrCat("is longer than ", kLongestStage, " bytes"));
+  if (progress.stage().size() > kMaxStageLength) {
+    return InvalidField(field + ".stage",
+                        absl::StrCat("is longer than ", kMaxStageLength, " bytes"));
   }
-  if (progress.total() < 1 || progress.total() > kMostSteps) {
-    return InvalidField(field + ".total", absl::StrCat("must be within 1 to ", kMostSteps));
+  if (progress.total() < 1 || progress.total() > kMaxSteps) {
+    return InvalidField(field + ".total", absl::StrCat("must be within 1 to ", kMaxSteps));
   }
   if (progress.done() < 0 || progress.done() > progress.total()) {
     return InvalidField(field + ".done", "must be within 0 to total");

@@ -20,13 +20,13 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr int kMostMaterials = 100;  // and supports 200: so that results fit into a message
-constexpr int kMostSupports = 200;
-constexpr int kMostCases = 50;
-constexpr int kMostProbes = 100;
-constexpr int kMostPoints = 1000;
-constexpr int kMostModes = 100;
-constexpr std::size_t kLargestCase = 200'000;  // bytes; workers may lease 16 in one message
+constexpr int kMaxMaterials = 100;  // and supports 200: so that results fit into a message
+constexpr int kMaxSupports = 200;
+constexpr int kMaxCases = 50;
+constexpr int kMaxProbes = 100;
+constexpr int kMaxPoints = 1000;
+constexpr int kMaxModes = 100;
+constexpr std::size_t kMaxCase = 200'000;  // bytes; workers may lease 16 in one message
 
 absl::Status CheckPositive(double value, const std::string& field) {
   return value > 0 ? absl::OkStatus() : InvalidField(field, "must be positive");
@@ -141,7 +141,7 @@ absl::Status CheckSupport(const v1::MeshSupport& support, const std::string& fie
 }
 
 absl::Status CheckHeat(const v1::MeshHeat& heat, const std::string& field) {
-  for (int i = 0; i < std::min(heat.convections_size(), kMostConditions); ++i) {
+  for (int i = 0; i < std::min(heat.convections_size(), kMaxConditions); ++i) {
     MORTISE_RETURN_IF_ERROR(CheckPositive(heat.convections(i).coefficient(),
                                           At(field, "convections", i) + ".coefficient"));
   }
@@ -190,7 +190,7 @@ absl::Status CheckFactors(const v1::LoadCombination& combination, const v1::Mesh
 
 absl::Status CheckCombination(const v1::LoadCombination& combination, const v1::MeshCase& of,
                               const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckCount(combination.terms_size(), kMostCases, field + ".terms"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(combination.terms_size(), kMaxCases, field + ".terms"));
   if (combination.terms().empty()) return InvalidField(field + ".terms", "must not be empty");
   for (int i = 0; i < combination.terms_size(); ++i) {
     const std::string& name = combination.terms(i).load_case();
@@ -203,21 +203,21 @@ absl::Status CheckCombination(const v1::LoadCombination& combination, const v1::
           absl::StrAppend(out, "'", loads.name(), "'");
         });
     return InvalidField(At(field, "terms", i) + ".load_case",
-                        absl::StrCat("there is no load case '", name.substr(0, kLongestLabel),
+                        absl::StrCat("there is no load case '", name.substr(0, kMaxLabelLength),
                                      "'; there are ", names.empty() ? "none" : names));
   }
   return CheckFactors(combination, of, field);
 }
 
 absl::Status CheckProbe(const v1::MeshProbe& probe, const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckCount(probe.points_size(), kMostPoints, field + ".points"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(probe.points_size(), kMaxPoints, field + ".points"));
   MORTISE_RETURN_IF_ERROR(CheckGroups(probe.groups(), true, field));
   if (!probe.points().empty() || !probe.groups().empty()) return absl::OkStatus();
   return InvalidField(field + ".points", "is missing, and so is `groups`");
 }
 
 // Far beyond all that can be measured, and squares of it are still numbers.
-constexpr double kLargestNumber = 1e30;
+constexpr double kMaxNumber = 1e30;
 
 // INVALID_ARGUMENT naming the first number below `field` that is larger.
 absl::Status CheckMagnitudes(const google::protobuf::Message& message, const std::string& field) {
@@ -238,8 +238,8 @@ absl::Status CheckMagnitudes(const google::protobuf::Message& message, const std
       } else if (at->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
         const double value = at->is_repeated() ? reflection.GetRepeatedDouble(message, at, i)
                                                : reflection.GetDouble(message, at);
-        if (std::abs(value) > kLargestNumber) {
-          return InvalidField(path, absl::StrCat("is beyond ", kLargestNumber));
+        if (std::abs(value) > kMaxNumber) {
+          return InvalidField(path, absl::StrCat("is beyond ", kMaxNumber));
         }
       }
     }
@@ -248,13 +248,13 @@ absl::Status CheckMagnitudes(const google::protobuf::Message& message, const std
 }
 
 absl::Status CheckCounts(const v1::MeshCase& of, const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckCount(of.materials_size(), kMostMaterials, field + ".materials"));
-  MORTISE_RETURN_IF_ERROR(CheckCount(of.supports_size(), kMostSupports, field + ".supports"));
-  MORTISE_RETURN_IF_ERROR(CheckCount(of.load_cases_size(), kMostCases, field + ".load_cases"));
-  MORTISE_RETURN_IF_ERROR(CheckCount(of.combinations_size(), kMostCases, field + ".combinations"));
-  MORTISE_RETURN_IF_ERROR(CheckCount(of.probes_size(), kMostProbes, field + ".probes"));
-  if (of.modes() < 0 || of.modes() > kMostModes) {
-    return InvalidField(field + ".modes", absl::StrCat("must be within 0 to ", kMostModes));
+  MORTISE_RETURN_IF_ERROR(CheckCount(of.materials_size(), kMaxMaterials, field + ".materials"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(of.supports_size(), kMaxSupports, field + ".supports"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(of.load_cases_size(), kMaxCases, field + ".load_cases"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(of.combinations_size(), kMaxCases, field + ".combinations"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(of.probes_size(), kMaxProbes, field + ".probes"));
+  if (of.modes() < 0 || of.modes() > kMaxModes) {
+    return InvalidField(field + ".modes", absl::StrCat("must be within 0 to ", kMaxModes));
   }
   if (of.materials().empty()) return InvalidField(field + ".materials", "must not be empty");
   if (of.load_cases().empty() && !of.has_heat() && of.modes() == 0) {
@@ -267,8 +267,8 @@ absl::Status CheckCounts(const v1::MeshCase& of, const std::string& field) {
 }  // namespace
 
 absl::Status CheckMeshCase(const v1::MeshCase& mesh_case, const std::string& field) {
-  if (mesh_case.ByteSizeLong() > kLargestCase) {
-    return TooLarge(field, absl::StrCat(kLargestCase, " bytes"));
+  if (mesh_case.ByteSizeLong() > kMaxCase) {
+    return TooLarge(field, absl::StrCat(kMaxCase, " bytes"));
   }
   MORTISE_RETURN_IF_ERROR(mesh::MetresOf(mesh_case.length_unit(), field + ".length_unit").status());
   MORTISE_RETURN_IF_ERROR(CheckMagnitudes(mesh_case, field));

@@ -22,15 +22,15 @@ absl::Status CheckCount(int count, int most, const std::string& field) {
 }
 
 absl::Status CheckLabel(const std::string& text, const std::string& field) {
-  if (text.size() > kLongestLabel) {
-    return InvalidField(field, absl::StrCat("is longer than ", kLongestLabel, " bytes"));
+  if (text.size() > kMaxLabelLength) {
+    return InvalidField(field, absl::StrCat("is longer than ", kMaxLabelLength, " bytes"));
   }
   if (HasControlCharacters(text)) return InvalidField(field, "has control characters");
   return absl::OkStatus();
 }
 
 absl::Status CheckGroups(const Texts& groups, bool may_be_all, const std::string& field) {
-  MORTISE_RETURN_IF_ERROR(CheckCount(groups.size(), kMostConditions, field + ".groups"));
+  MORTISE_RETURN_IF_ERROR(CheckCount(groups.size(), kMaxConditions, field + ".groups"));
   if (groups.empty() && !may_be_all) {
     return InvalidField(field + ".groups", "must name at least one group of the mesh");
   }

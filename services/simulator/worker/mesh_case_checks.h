@@ -12,8 +12,8 @@
 
 namespace mortise::simulator {
 
-inline constexpr int kMostConditions = 1000;
-inline constexpr std::size_t kLongestLabel = 200;  // bytes
+inline constexpr int kMaxConditions = 1000;
+inline constexpr std::size_t kMaxLabelLength = 200;  // bytes
 
 using Texts = google::protobuf::RepeatedPtrField<std::string>;
 
@@ -32,7 +32,7 @@ absl::Status CheckConditions(const Conditions& conditions, const std::string& fi
                              const char* list, const char* name, const IsGiven& is_given,
                              bool may_be_all = false) {
   MORTISE_RETURN_IF_ERROR(
-      CheckCount(conditions.size(), kMostConditions, absl::StrCat(field, ".", list)));
+      CheckCount(conditions.size(), kMaxConditions, absl::StrCat(field, ".", list)));
   for (int i = 0; i < conditions.size(); ++i) {
     const std::string place = At(field, list, i);
     MORTISE_RETURN_IF_ERROR(CheckGroups(conditions[i].groups(), may_be_all, place));

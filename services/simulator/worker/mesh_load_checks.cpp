@@ -10,7 +10,7 @@
 namespace mortise::simulator {
 namespace {
 
-constexpr int kMostPointForces = 100;
+constexpr int kMaxPointForces = 100;
 
 // An empty vector is a load whose numbers somebody forgot.
 absl::Status CheckLoad(const v1::LoadVector& load, const std::string& field) {
@@ -49,7 +49,7 @@ absl::Status CheckGroupLoads(const v1::MeshLoadCase& loads, const std::string& f
 
 absl::Status CheckPointForces(const v1::MeshLoadCase& loads, const std::string& field) {
   MORTISE_RETURN_IF_ERROR(
-      CheckCount(loads.point_forces_size(), kMostPointForces, field + ".point_forces"));
+      CheckCount(loads.point_forces_size(), kMaxPointForces, field + ".point_forces"));
   for (int i = 0; i < loads.point_forces_size(); ++i) {
     const v1::PointForce& load = loads.point_forces(i);
     const std::string place = At(field, "point_forces", i);

@@ -38,31 +38,30 @@ void Fill(const MeshAnalysis& analysis, const MeshModel& model, v1::Analysis& me
 
 }  // namespace
 
-absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& surroundings,
+absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& context,
                               v1::ReportTaskRequest& report) {
-  StageProgress* const progress = surroundings.progress;
+  StageProgress* const progress = context.progress;
   if (progress != nullptr) progress->Begin("mesh");
   MeshModel model;
   {
     // File and groups are not needed any more once the model is made.
-    MORTISE_ASSIGN_OR_RETURN(
-        const std::string bytes,
-        surroundings.fetch(task.mesh_file(), surroundings.memory_limit / kMemoryOfFile));
+    MORTISE_ASSIGN_OR_RETURN(const std::string bytes,
+                             context.fetch(task.mesh_file(), context.memory_limit / kMemoryOfFile));
     MORTISE_ASSIGN_OR_RETURN(const mesh::GroupedMesh grouped, mesh::ReadGroupedMesh(bytes));
     MORTISE_RETURN_IF_ERROR(CheckMemory(grouped.nodes.cols(), grouped.tetrahedra.cols(),
                                         static_cast<std::size_t>(task.case_().load_cases_size()),
-                                        surroundings.memory_limit));
+                                        context.memory_limit));
     MORTISE_ASSIGN_OR_RETURN(model, MakeMeshModel(grouped, task.case_()));
     for (const std::string& note : grouped.notes) report.mutable_analysis()->add_notes(note);
   }
   if (progress != nullptr) progress->Expect(1 + StagesOf(model));
   MORTISE_ASSIGN_OR_RETURN(const MeshAnalysis analysis,
                            AnalyzeMesh(model,
-                                       {.memory_limit = surroundings.memory_limit,
-                                        .threads = surroundings.threads,
-                                        .stop = surroundings.stop,
+                                       {.memory_limit = context.memory_limit,
+                                        .threads = context.threads,
+                                        .stop = context.stop,
                                         .progress = progress},
-                                       surroundings.keep));
+                                       context.keep));
   *report.mutable_result()->add_metrics() = ToProto(MetricOf(BuiltInMetric::kMass, analysis.mass));
   *report.mutable_result()->add_metrics() =
       ToProto(MetricOf(BuiltInMetric::kVolume, analysis.volume));

@@ -8,7 +8,7 @@ namespace mortise::simulator {
 
 // Fills the report's metrics (mass and volume) and its analysis. Fails as ReadGroupedMesh,
 // MakeMeshModel and AnalyzeMesh do.
-absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& surroundings,
+absl::Status EvaluateMeshTask(const v1::Task& task, const TaskContext& context,
                               v1::ReportTaskRequest& report);
 
 }  // namespace mortise::simulator

@@ -7,17 +7,17 @@
 
 namespace mortise::simulator {
 
-absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemplate& compiled,
+absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const EvaluatedTemplate& compiled,
                                                               const v1::MetricDefinitions& asked) {
   const parametric::MetricDefinitions definitions = parametric::FromProto(asked);
   if (definitions.IsEmpty() && compiled.metrics.IsEmpty()) return parametric::MetricExpressions();
   std::vector<parametric::NamedUnit> parameters;
-  for (const parametric::Parameter& parameter : compiled.function->parameters()) {
+  for (const parametric::Parameter& parameter : compiled.design_template->parameters()) {
     parameters.push_back({parameter.name, parameter.unit});
   }
   std::vector<FieldViolation> findings;
   parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters,
-                                            UnitsOf(MetricsOf(*compiled.function)),
+                                            UnitsOf(MetricsOf(*compiled.design_template)),
                                             "metric_definitions", findings);
   const absl::Status status = parametric::ToStatus(findings);
   if (!status.ok()) return status;

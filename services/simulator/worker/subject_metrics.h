@@ -13,7 +13,7 @@ namespace mortise::simulator {
 
 // Returns the template's own metrics and those of a request, ready to be computed. INVALID_ARGUMENT
 // naming all that is wrong with the request's, below "metric_definitions".
-absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const CompiledTemplate& compiled,
+absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const EvaluatedTemplate& compiled,
                                                               const v1::MetricDefinitions& asked);
 
 // Returns what tells the definitions of one request from those of another, for caches; empty where

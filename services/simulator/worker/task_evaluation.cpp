@@ -98,53 +98,53 @@ void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
 
 // analysis.vtu and stress.png of the only load case; of several, each with its number and name.
 absl::Status KeepCases(const DesignAnalysis& analysis, const DesignModel& model,
-                       const std::string& title, const TaskContext& surroundings) {
+                       const std::string& title, const TaskContext& context) {
   const bool is_only = analysis.cases.size() == 1;
   for (std::size_t i = 0; i < analysis.cases.size(); ++i) {
     const SolvedCase& solved = analysis.cases[i];
     const std::string stem = FileStem(i + 1, solved.name);
-    MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+    MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
     MORTISE_ASSIGN_OR_RETURN(
         std::string fields,
         WriteFields(*analysis.mesh, solved.solution, solved.error->element_error,
                     model.reference_temperature.value_or(0)));
-    MORTISE_RETURN_IF_ERROR(surroundings.keep(
+    MORTISE_RETURN_IF_ERROR(context.keep(
         {is_only ? "analysis.vtu" : stem + ".vtu", "model/vnd.vtu", std::move(fields)}));
     MORTISE_ASSIGN_OR_RETURN(std::string picture,
                              DrawStress(*analysis.mesh, solved.solution,
                                         is_only ? title : absl::StrCat(title, ": ", solved.name)));
-    MORTISE_RETURN_IF_ERROR(surroundings.keep(
-        {is_only ? "stress.png" : stem + ".png", "image/png", std::move(picture)}));
+    MORTISE_RETURN_IF_ERROR(
+        context.keep({is_only ? "stress.png" : stem + ".png", "image/png", std::move(picture)}));
   }
   return absl::OkStatus();
 }
 
 // heat.vtu and heat.png.
 absl::Status KeepHeat(const DesignAnalysis& analysis, const DesignModel& model,
-                      const std::string& title, const TaskContext& surroundings) {
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+                      const std::string& title, const TaskContext& context) {
+  MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
   const Eigen::VectorXd& temperature = analysis.heat->temperature;
   MORTISE_ASSIGN_OR_RETURN(std::string fields,
                            WriteHeat(*analysis.mesh, model.analysis.materials, temperature));
-  MORTISE_RETURN_IF_ERROR(surroundings.keep({"heat.vtu", "model/vnd.vtu", std::move(fields)}));
+  MORTISE_RETURN_IF_ERROR(context.keep({"heat.vtu", "model/vnd.vtu", std::move(fields)}));
   MORTISE_ASSIGN_OR_RETURN(
       std::string picture,
       DrawTemperature(*analysis.mesh, temperature, absl::StrCat(title, ": temperature (K)")));
-  return surroundings.keep({"heat.png", "image/png", std::move(picture)});
+  return context.keep({"heat.png", "image/png", std::move(picture)});
 }
 
 // airflow.vtu and airflow.png.
 absl::Status KeepAirflow(const AirflowSolution& airflow, const Eigen::Vector3d& wind,
-                         const std::string& title, const TaskContext& surroundings) {
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+                         const std::string& title, const TaskContext& context) {
+  MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
   MORTISE_ASSIGN_OR_RETURN(
       std::string fields,
       mesh::WriteVtu(airflow.surface, {{"pressure (Pa)", airflow.pressure.transpose()}}));
-  MORTISE_RETURN_IF_ERROR(surroundings.keep({"airflow.vtu", "model/vnd.vtu", std::move(fields)}));
+  MORTISE_RETURN_IF_ERROR(context.keep({"airflow.vtu", "model/vnd.vtu", std::move(fields)}));
   MORTISE_ASSIGN_OR_RETURN(
       std::string picture,
       DrawAirPressure(airflow, wind, absl::StrCat(title, ": pressure of the air (Pa)")));
-  return surroundings.keep({"airflow.png", "image/png", std::move(picture)});
+  return context.keep({"airflow.png", "image/png", std::move(picture)});
 }
 
 // A report that is not finite would be refused, and the task tried again and again.
@@ -160,46 +160,46 @@ absl::Status CheckFinite(const DesignAnalysis& analysis) {
 
 // modes.vtu, and mode-1.png … of the lowest that deform.
 absl::Status KeepModes(const DesignAnalysis& analysis, const std::string& title,
-                       const TaskContext& surroundings) {
+                       const TaskContext& context) {
   constexpr std::size_t kPictures = 6;  // each takes about a second
   const std::vector<Mode>& modes = analysis.vibration->modes;
   MORTISE_ASSIGN_OR_RETURN(std::string fields,
                            mesh::WriteVtu(*analysis.mesh, ShapeFields(*analysis.vibration)));
-  MORTISE_RETURN_IF_ERROR(surroundings.keep({"modes.vtu", "model/vnd.vtu", std::move(fields)}));
+  MORTISE_RETURN_IF_ERROR(context.keep({"modes.vtu", "model/vnd.vtu", std::move(fields)}));
   const auto rigid = static_cast<std::size_t>(analysis.vibration->rigid_motions);
   for (std::size_t m = rigid; m < std::min(modes.size(), rigid + kPictures); ++m) {
-    MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
+    MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
     const std::string number = absl::StrCat("mode-", m + 1);
     MORTISE_ASSIGN_OR_RETURN(std::string picture, DrawMode(*analysis.mesh, modes[m],
                                                            absl::StrCat(title, ": mode ", m + 1)));
     MORTISE_RETURN_IF_ERROR(
-        surroundings.keep({absl::StrCat(number, ".png"), "image/png", std::move(picture)}));
+        context.keep({absl::StrCat(number, ".png"), "image/png", std::move(picture)}));
   }
   return absl::OkStatus();
 }
 
-void Begin(const TaskContext& surroundings, const char* stage) {
-  if (surroundings.progress != nullptr) surroundings.progress->Begin(stage);
+void Begin(const TaskContext& context, const char* stage) {
+  if (context.progress != nullptr) context.progress->Begin(stage);
 }
 
 // What a task is about: a template, and the design that it is at the task's point.
 struct Subject {
-  std::shared_ptr<const CompiledTemplate> compiled;
+  std::shared_ptr<const EvaluatedTemplate> compiled;
   Eigen::VectorXd parameters;
   parametric::EvaluatedDesign design;
   parametric::MetricExpressions own;  // metrics
 };
 
-absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task, const TaskContext& surroundings) {
+absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task, const TaskContext& context) {
   Subject subject;
   MORTISE_ASSIGN_OR_RETURN(subject.compiled,
-                           surroundings.templates.GetByDigest(task.subject(), task.revision(),
-                                                              task.digest(), surroundings.origin));
-  Begin(surroundings, "geometry");
+                           context.templates.GetByDigest(task.subject(), task.revision(),
+                                                         task.digest(), context.origin));
+  Begin(context, "geometry");
   subject.parameters = Eigen::Map<const Eigen::VectorXd>(task.point().parameters().data(),
                                                          task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(subject.design,
-                           subject.compiled->function->Evaluate(subject.parameters));
+                           subject.compiled->design_template->Evaluate(subject.parameters));
   MORTISE_ASSIGN_OR_RETURN(subject.own,
                            CustomMetricsOf(*subject.compiled, task.metric_definitions()));
   return subject;
@@ -215,9 +215,9 @@ absl::Status CheckConditions(const v1::Task& task, const MetricDemands& demands,
   return demands.heat ? CheckHeated(design) : absl::OkStatus();
 }
 
-// `surroundings` must outlive what is returned.
+// `context` must outlive what is returned.
 absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subject& subject,
-                                                const TaskContext& surroundings) {
+                                                const TaskContext& context) {
   DesignAnalysisOptions options;
   // Nobody chose the metrics of an analysis.
   options.leave_out_inapplicable = task.fields();
@@ -225,20 +225,20 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
   options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.wanted_error = task.mesh().relative_error();
-  options.elasticity.threads = surroundings.threads;
+  options.elasticity.threads = context.threads;
   options.elasticity.solver.kind = SolverKindOf(task.solver());
-  options.elasticity.solver.memory_limit = surroundings.memory_limit;
-  options.progress = surroundings.progress;
+  options.elasticity.solver.memory_limit = context.memory_limit;
+  options.progress = context.progress;
   options.custom_metrics = subject.own;
   options.parameters = subject.parameters;
   MORTISE_ASSIGN_OR_RETURN(options.airflow, parametric::ReadAirflow(task.airflow()));
-  options.airflow_solver.memory_limit = surroundings.memory_limit;
-  options.airflow_solver.progress = surroundings.progress;
-  options.airflow_solver.stop = surroundings.stop;
+  options.airflow_solver.memory_limit = context.memory_limit;
+  options.airflow_solver.progress = context.progress;
+  options.airflow_solver.stop = context.stop;
   options.with_airflow = task.fields() && task.has_airflow();
-  options.elasticity.solver.progress = [&surroundings](int iteration, double) {
-    if (surroundings.progress != nullptr) surroundings.progress->Iterate(iteration);
-    return CheckStopped(surroundings.stop);
+  options.elasticity.solver.progress = [&context](int iteration, double) {
+    if (context.progress != nullptr) context.progress->Iterate(iteration);
+    return CheckStopped(context.stop);
   };
   return options;
 }
@@ -258,32 +258,32 @@ void FillGradients(const DesignAnalysis& analysis, v1::EvaluationResult& result)
 // The files of everything that was solved.
 absl::Status KeepFiles(const DesignAnalysis& analysis, const DesignModel& model,
                        const Eigen::Vector3d& wind, const std::string& title,
-                       const TaskContext& surroundings) {
-  MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, surroundings));
-  if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, surroundings));
+                       const TaskContext& context) {
+  MORTISE_RETURN_IF_ERROR(KeepCases(analysis, model, title, context));
+  if (analysis.heat) MORTISE_RETURN_IF_ERROR(KeepHeat(analysis, model, title, context));
   if (analysis.airflow) {
-    MORTISE_RETURN_IF_ERROR(KeepAirflow(*analysis.airflow, wind, title, surroundings));
+    MORTISE_RETURN_IF_ERROR(KeepAirflow(*analysis.airflow, wind, title, context));
   }
-  return analysis.vibration ? KeepModes(analysis, title, surroundings) : absl::OkStatus();
+  return analysis.vibration ? KeepModes(analysis, title, context) : absl::OkStatus();
 }
 
-absl::Status Evaluate(const v1::Task& task, const TaskContext& surroundings,
+absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
                       v1::ReportTaskRequest& report) {
-  MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, surroundings));
+  MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, context));
   const parametric::EvaluatedDesign& design = subject.design;
-  const templates::Template& function = *subject.compiled->function;
+  const templates::Template& function = *subject.compiled->design_template;
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
   const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, subject.own), design);
-  if (surroundings.progress != nullptr) {
-    surroundings.progress->Expect(StagesOf(demands, design));
+  if (context.progress != nullptr) {
+    context.progress->Expect(StagesOf(demands, design));
   }
   // Before the parts are fused, which takes a while and would fail for every design alike.
   MORTISE_RETURN_IF_ERROR(CheckConditions(task, demands, design));
   MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
                            MakeDesignModel(function, subject.parameters, design,
                                            {demands.surface, task.mesh().element_size()}));
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
-  MORTISE_ASSIGN_OR_RETURN(DesignAnalysisOptions options, OptionsOf(task, subject, surroundings));
+  MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
+  MORTISE_ASSIGN_OR_RETURN(DesignAnalysisOptions options, OptionsOf(task, subject, context));
   DesignMotion motion;
   if (task.gradients()) {
     motion = KnownMotion(function, subject.parameters, design, model);
@@ -296,21 +296,21 @@ absl::Status Evaluate(const v1::Task& task, const TaskContext& surroundings,
   FillMetrics(*analysis, *report.mutable_result());
   if (task.gradients()) FillGradients(*analysis, *report.mutable_result());
   if (!task.fields()) return absl::OkStatus();
-  MORTISE_RETURN_IF_ERROR(CheckStopped(surroundings.stop));
-  Begin(surroundings, "files");
+  MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
+  Begin(context, "files");
   const Eigen::Vector3d& wind = options.airflow.wind;
   FillAnalysis(*analysis, model, wind, design, *report.mutable_analysis());
-  return KeepFiles(*analysis, model, wind, function.head().title, surroundings);
+  return KeepFiles(*analysis, model, wind, function.head().title, context);
 }
 
 }  // namespace
 
-v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& surroundings) {
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& context) {
   v1::ReportTaskRequest report;
   absl::Status status = absl::OkStatus();
   try {
-    status = task.has_case_() ? EvaluateMeshTask(task, surroundings, report)
-                              : Evaluate(task, surroundings, report);
+    status = task.has_case_() ? EvaluateMeshTask(task, context, report)
+                              : Evaluate(task, context, report);
   } catch (const std::bad_alloc&) {
     status = TooLarge("the evaluation", "the memory at hand");
   } catch (const std::exception& error) {

@@ -36,6 +36,6 @@ struct TaskContext {
 
 // Returns metrics, gradients and analysis, or the error, without the task and the artifacts. It
 // never fails: what goes wrong becomes the error of the report.
-v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& surroundings);
+v1::ReportTaskRequest EvaluateTask(const v1::Task& task, const TaskContext& context);
 
 }  // namespace mortise::simulator

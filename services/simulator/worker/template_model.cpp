@@ -20,7 +20,7 @@ namespace {
 using parametric::EvaluatedDesign;
 using parametric::EvaluatedPart;
 
-constexpr std::size_t kMostFaces = 100'000;  // the kernel fuses 76,000 in half a minute
+constexpr std::size_t kMaxFaces = 100'000;  // the kernel fuses 76,000 in half a minute
 constexpr std::size_t kNamesTold = 4;
 
 // Along which axis of the design an axis of the part's item lies.
@@ -197,9 +197,9 @@ absl::StatusOr<mesh::AssemblySurface> FuseShapes(const templates::Template::Asse
   MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids, BearingSolids(drawn, design));
   std::size_t faces = 0;
   for (const cad::Solid& solid : solids) faces += solid.face_names().size();
-  if (faces > kMostFaces) {
+  if (faces > kMaxFaces) {
     return TooLarge(absl::StrCat("the analysis of parts with ", faces, " faces together"),
-                    absl::StrCat(kMostFaces, " faces: take exact surfaces instead of triangles"));
+                    absl::StrCat(kMaxFaces, " faces: take exact surfaces instead of triangles"));
   }
   MORTISE_ASSIGN_OR_RETURN(mesh::AssemblySurface surface,
                            cad::FuseAssembly(solids, {.element_size = element_size}));

@@ -53,22 +53,22 @@ absl::StatusOr<TemplateSource::Kept::Made> TemplateSource::Compile(v1::TemplateB
   for (v1::Shape& shape : *bundle.mutable_shapes()) {
     if (joined.contains(shape.name())) MORTISE_RETURN_IF_ERROR(shapes_.AddExact(shape, origin));
   }
-  CompiledTemplate compiled{
+  EvaluatedTemplate compiled{
       .name = bundle.template_().name(),
       .revision = bundle.template_().revision(),
       .digest = digest,
       .is_exact = is_exact,
-      .function = nullptr,
+      .design_template = nullptr,
       .metrics = parametric::FromProto(parametric::MetricDefinitionsOf(bundle.template_()))};
-  MORTISE_ASSIGN_OR_RETURN(compiled.function, templates::Compile(bundle));
+  MORTISE_ASSIGN_OR_RETURN(compiled.design_template, templates::Compile(bundle));
   const auto kind = bundle.template_().kind_case();
-  compiled.gradients = GradientsOf(
-      *compiled.function, kind == v1::Template::KIND_NOT_SET || kind == v1::Template::kAssembly);
-  const std::size_t bytes = compiled.function->MemoryUse();
-  return Kept::Made{std::make_shared<const CompiledTemplate>(std::move(compiled)), bytes};
+  compiled.gradients = GradientsOf(*compiled.design_template, kind == v1::Template::KIND_NOT_SET ||
+                                                                  kind == v1::Template::kAssembly);
+  const std::size_t bytes = compiled.design_template->MemoryUse();
+  return Kept::Made{std::make_shared<const EvaluatedTemplate>(std::move(compiled)), bytes};
 }
 
-absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
+absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> TemplateSource::Get(
     const std::string& name, int64_t revision, const rpc::Origin& origin) {
   MORTISE_RETURN_IF_ERROR(ParseResourceName(name, "templates", "subject").status());
   if (revision < 0) return InvalidField("revision", "must not be negative");
@@ -82,7 +82,7 @@ absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::Get(
                    [&] { return Compile(std::move(bundle), digest, false, origin); });
 }
 
-absl::StatusOr<std::shared_ptr<const CompiledTemplate>> TemplateSource::GetByDigest(
+absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> TemplateSource::GetByDigest(
     const std::string& name, int64_t revision, const std::string& digest,
     const rpc::Origin& origin) {
   return kept_.Get(KeyOf(name, revision, digest, true), [&]() -> absl::StatusOr<Kept::Made> {

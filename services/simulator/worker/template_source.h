@@ -18,13 +18,13 @@
 namespace mortise::simulator {
 
 // A template revision ready for evaluation.
-struct CompiledTemplate {
+struct EvaluatedTemplate {
   std::string name;  // templates/{id}
   int64_t revision = 0;
   std::string digest;  // of its content and of the items and materials it uses
   // Whether the shapes of parts that an analysis joins have their exact surfaces.
   bool is_exact = false;
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   parametric::MetricDefinitions metrics = {};  // its own
   OfferedGradients gradients = {};
 };
@@ -40,20 +40,20 @@ class TemplateSource {
 
   // Returns the revision, or the latest for 0. Asks the catalog; compiles only what it has not
   // seen. INVALID_ARGUMENT naming "subject" for a malformed name; NOT_FOUND; UNAVAILABLE.
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> Get(const std::string& name,
-                                                              int64_t revision,
-                                                              const rpc::Origin& origin);
+  absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> Get(const std::string& name,
+                                                               int64_t revision,
+                                                               const rpc::Origin& origin);
 
   // Returns the same revision as a task names it, with the exact surfaces of parts that are joined;
   // without a question to the catalog if its content is known. FAILED_PRECONDITION,
   // TEMPLATE_CHANGED if items or materials have changed since; as bundles::ShapeSource::AddExact.
-  absl::StatusOr<std::shared_ptr<const CompiledTemplate>> GetByDigest(const std::string& name,
-                                                                      int64_t revision,
-                                                                      const std::string& digest,
-                                                                      const rpc::Origin& origin);
+  absl::StatusOr<std::shared_ptr<const EvaluatedTemplate>> GetByDigest(const std::string& name,
+                                                                       int64_t revision,
+                                                                       const std::string& digest,
+                                                                       const rpc::Origin& origin);
 
  private:
-  using Kept = SingleFlightCache<std::shared_ptr<const CompiledTemplate>>;
+  using Kept = SingleFlightCache<std::shared_ptr<const EvaluatedTemplate>>;
 
   // `bundle` names the shapes that did not fit into its message.
   absl::StatusOr<Kept::Made> Compile(v1::TemplateBundle bundle, const std::string& digest,

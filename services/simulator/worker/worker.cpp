@@ -28,7 +28,7 @@ constexpr absl::Duration kCallTimeout = absl::Seconds(30);
 constexpr absl::Duration kReportPatience = absl::Minutes(2);
 // Tasks that take less than this together are leased ahead, so that a worker need not ask for each.
 constexpr absl::Duration kAhead = absl::Milliseconds(250);
-constexpr int kMostAhead = 4;
+constexpr int kMaxAhead = 4;
 
 // Tells that the worker will not do a task that it holds: others may have it, unharmed.
 void GiveBack(const WorkerOptions& options, Stub& stub, const v1::Task& task) {
@@ -82,7 +82,7 @@ class LeaseSize {
   int value() const {
     if (!seconds_) return 1;
     const double fit = absl::ToDoubleSeconds(kAhead) / std::max(*seconds_, 1e-6);
-    return static_cast<int>(std::clamp(fit, 1.0, static_cast<double>(kMostAhead)));
+    return static_cast<int>(std::clamp(fit, 1.0, static_cast<double>(kMaxAhead)));
   }
 
   void Add(absl::Duration duration) {
@@ -197,7 +197,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
                                  .give_back_reserve = [&] { reserve.GiveAllBack(); }},
                                 ending);
   v1::Analysis artifacts;
-  const TaskContext surroundings{
+  const TaskContext context{
       .templates = templates,
       .origin = rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout),
       .keep = [&](const AnalysisFile& file) -> absl::Status {
@@ -218,7 +218,7 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
       .threads = options.threads,
       .progress = &progress,
       .stop = keeper.stop_token()};
-  v1::ReportTaskRequest report = EvaluateTask(task, surroundings);
+  v1::ReportTaskRequest report = EvaluateTask(task, context);
   if (keeper.lost()) {
     Log(LogLevel::kInfo, "a task was dropped, as nobody wants it from here any more",
         {{"task", task.name()}, {"attempt", task.attempt()}});

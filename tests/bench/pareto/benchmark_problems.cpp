@@ -522,8 +522,8 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
   if (variant.metrics != 0 && lower != "fourier" && !lower.starts_with("dtlz")) {
     return InvalidField("metrics", "can be chosen for DTLZ and Fourier problems only");
   }
-  if (variant.metrics != 0 && (variant.metrics < 2 || variant.metrics > kMostMetrics)) {
-    return InvalidField("metrics", absl::StrCat("must lie between 2 and ", kMostMetrics));
+  if (variant.metrics != 0 && (variant.metrics < 2 || variant.metrics > kMaxMetrics)) {
+    return InvalidField("metrics", absl::StrCat("must lie between 2 and ", kMaxMetrics));
   }
   for (const int number : {1, 2, 3, 4, 6}) {
     if (lower != absl::StrCat("zdt", number)) continue;

@@ -50,7 +50,7 @@ class EventsTest : public GatewayTest {
             -> absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> {
           environment.operations->Register(
               "catalog.wait",
-              [this](jobs::OperationContext& context) -> absl::StatusOr<std::string> {
+              [this](operations::OperationContext& context) -> absl::StatusOr<std::string> {
                 context.ReportProgress({.done = 1, .total = 2, .message = "half"});
                 std::unique_lock lock(mutex_);
                 if (!changed_.wait(lock, context.stop_token(), [this] { return finish_; })) {

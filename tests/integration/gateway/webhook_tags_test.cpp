@@ -156,7 +156,7 @@ TEST_F(WebhookTagsTest, OperationsOfAllServicesAreFoundByTheirTags) {
     ASSERT_OK(service_->environment().store->Transact(
         [&](store::Transaction& transaction) -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(
-              const jobs::Operation started,
+              const operations::Operation started,
               service_->environment().operations->Start(
                   transaction, {.kind = "catalog.wait",
                                 .creator = "users/ada",

@@ -13,7 +13,7 @@
 namespace mortise::mesh {
 namespace {
 
-constexpr std::size_t kLongestHeader = 1 << 20;  // bytes
+constexpr std::size_t kMaxHeaderLength = 1 << 20;  // bytes
 
 constexpr std::array<PlyType, 8> kTypes = {{{"char", "int8", 1},
                                             {"uchar", "uint8", 1},
@@ -134,7 +134,7 @@ int PlyElement::Find(std::string_view wanted, std::string_view synonym) const {
 
 absl::StatusOr<PlyHeader> ReadPlyHeader(std::string_view bytes) {
   PlyHeader header;
-  const std::string_view head = bytes.substr(0, kLongestHeader);
+  const std::string_view head = bytes.substr(0, kMaxHeaderLength);
   TextLines lines(head);
   while (std::optional<std::string_view> line = lines.Next()) {
     const std::string_view word = TakeWord(*line);

@@ -33,7 +33,7 @@ void Evaluating(benchmark::State& state, const std::shared_ptr<const Template>& 
 }
 
 void Add(v1::TemplateBundle bundle) {
-  if (!Complete(bundle, Trial::kDefaults).ok()) return;
+  if (!FillAndCheck(bundle, Trial::kDefaults).ok()) return;
   const auto compiled = Compile(bundle);
   if (!compiled.ok()) return;
   const std::string name = bundle.template_().name();

@@ -38,7 +38,7 @@ class Probe {
  public:
   absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
       rpc::ServiceEnvironment& environment) {
-    jobs::Operations* operations = environment.operations;
+    operations::Operations* operations = environment.operations;
     handlers_.read = [](const rpc::Call& call,
                         const ReadRequest& request) -> absl::StatusOr<ReadResponse> {
       AwaitFile(request.name(), {});
@@ -50,7 +50,7 @@ class Probe {
                           const rpc::Call& call, const KeepRequest& request,
                           store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
       MORTISE_ASSIGN_OR_RETURN(
-          const jobs::Operation operation,
+          const operations::Operation operation,
           operations->Start(transaction, {.kind = "probe.work",
                                           .request = request.value(),
                                           .subject = request.name(),
@@ -59,7 +59,7 @@ class Probe {
       return rpc::ToProto(operation);
     };
     operations->Register("probe.work",
-                         [](jobs::OperationContext& context) -> absl::StatusOr<std::string> {
+                         [](operations::OperationContext& context) -> absl::StatusOr<std::string> {
                            context.ReportProgress({.done = 1, .total = 2});
                            AwaitFile(context.request(), context.stop_token());
                            if (context.Cancelled()) return absl::CancelledError("asked to stop");

@@ -96,7 +96,7 @@ class SearchFilterTest : public ::testing::Test {
 
   // The template of a match and its design, made here.
   struct Made {
-    std::shared_ptr<const templates::Template> function;
+    std::shared_ptr<const templates::Template> design_template;
     parametric::EvaluatedDesign design;
   };
   static Made Make(const v1::ShapeMatch& match) {
@@ -122,7 +122,7 @@ class SearchFilterTest : public ::testing::Test {
     const std::vector<v1::ShapeMatch> all = Find(ForTable());
     for (const v1::ShapeMatch& match : all) {
       const Made made = Make(match);
-      if (Meets(filter, FactsOf(made.design, made.function->head().items))) {
+      if (Meets(filter, FactsOf(made.design, made.design_template->head().items))) {
         expected.push_back(match.template_());
       }
     }
@@ -200,7 +200,7 @@ TEST_F(SearchFilterTest, SaysWhatLeftNothing) {
 
 TEST_F(SearchFilterTest, SaysWhichItemsTheNearestLacks) {
   const Made made = Make(Find(ForTable()).front());
-  const auto needs = parametric::NeedsOf(made.design, made.function->head().items);
+  const auto needs = parametric::NeedsOf(made.design, made.design_template->head().items);
   ASSERT_TRUE(needs.ok()) << needs.status();
   ASSERT_GT(needs->size(), 1u);
   v1::SearchShapesRequest request = ForTable();
@@ -243,7 +243,7 @@ TEST_F(SearchFilterTest, LooksAtMaterialsAndPrices) {
       asked.add_materials(part.material);
     }
     ExpectFiltered(asked, filter);
-    const auto cost = parametric::CostOf(made.design, made.function->head().items);
+    const auto cost = parametric::CostOf(made.design, made.design_template->head().items);
     if (!cost.ok()) continue;  // of the boat nobody says a price
     EXPECT_EQ(cost->currency, "EUR");
     filter.max_price = *cost;
@@ -262,7 +262,7 @@ TEST_F(SearchFilterTest, LooksAtMaterialsAndPrices) {
 TEST_F(SearchFilterTest, LooksAtWhatThereIsToBuildFrom) {
   const v1::ShapeMatch best = Find(ForTable()).front();
   const Made made = Make(best);
-  const auto needs = parametric::NeedsOf(made.design, made.function->head().items);
+  const auto needs = parametric::NeedsOf(made.design, made.design_template->head().items);
   ASSERT_TRUE(needs.ok()) << needs.status();
   DesignFilter filter;
   v1::DesignFilter asked;

@@ -193,7 +193,7 @@ TEST(TemplateSourceTest, CompilesOnceForAllWhoAsk) {
   ASSERT_OK_AND_ASSIGN(const auto table, first.Get("templates/table", 1, {}));
   TemplateSource source(channel);
   const int before = catalog.asked;
-  std::vector<std::shared_ptr<const CompiledTemplate>> compiled(kThreads);
+  std::vector<std::shared_ptr<const EvaluatedTemplate>> compiled(kThreads);
   OnThreads([&](std::size_t i) {
     const auto found = source.GetByDigest("templates/table", 1, table->digest, {});
     EXPECT_OK(found);

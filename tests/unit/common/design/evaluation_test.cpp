@@ -28,7 +28,7 @@ class TableTest : public testing::Test {
   }
 
   EvaluatedDesign At(const std::vector<NamedValue>& values) {
-    const auto q = table_->Complete(values);
+    const auto q = table_->CompleteParameters(values);
     EXPECT_TRUE(q.ok()) << q.status();
     auto design = table_->Evaluate(*q);
     EXPECT_TRUE(design.ok()) << design.status();
@@ -207,15 +207,18 @@ TEST_F(TableTest, RoundsToWhatAWorkshopCanSet) {
 
 TEST_F(TableTest, RefusesWrongParameters) {
   const auto field = [](const absl::Status& status) { return DetailOf(status).field; };
-  EXPECT_EQ(field(table_->Complete({{"depth", 1}}).status()), "parameters[0].name");
-  EXPECT_EQ(field(table_->Complete({{"length", 1}, {"length", 1}}).status()), "parameters[1].name");
-  EXPECT_EQ(field(table_->Complete({{"length", -1}}).status()), "parameters[0].value");
-  EXPECT_EQ(field(table_->Complete({{"length", NAN}}).status()), "parameters[0].value");
+  EXPECT_EQ(field(table_->CompleteParameters({{"depth", 1}}).status()), "parameters[0].name");
+  EXPECT_EQ(field(table_->CompleteParameters({{"length", 1}, {"length", 1}}).status()),
+            "parameters[1].name");
+  EXPECT_EQ(field(table_->CompleteParameters({{"length", -1}}).status()), "parameters[0].value");
+  EXPECT_EQ(field(table_->CompleteParameters({{"length", NAN}}).status()), "parameters[0].value");
   const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(field(table_->Complete({{"length", infinity}}).status()), "parameters[0].value");
+  EXPECT_EQ(field(table_->CompleteParameters({{"length", infinity}}).status()),
+            "parameters[0].value");
   EXPECT_EQ(field(table_->Evaluate(Eigen::VectorXd::Zero(2)).status()), "parameters");
   EXPECT_EQ(field(table_->Evaluate(Eigen::VectorXd::Zero(6)).status()), "parameters[0].value");
-  EXPECT_EQ(table_->Complete({{"length", 99}}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(table_->CompleteParameters({{"length", 99}}).status().code(),
+            absl::StatusCode::kInvalidArgument);
 }
 
 // Parts that stand on different axes.
@@ -246,8 +249,8 @@ TEST(ParameterValues, AllThatIsWrongIsToldAtOnce) {
   parameters[0].maximum = 1;
   parameters[1].name = "width";
   parameters[1].maximum = 1;
-  const auto refused =
-      Complete(parameters, {{"length", 2}, {"depth", 0.5}, {"width", NAN}, {"length", 0.5}});
+  const auto refused = CompleteParameters(
+      parameters, {{"length", 2}, {"depth", 0.5}, {"width", NAN}, {"length", 0.5}});
   std::vector<std::string> fields;
   for (const FieldViolation& fault : ViolationsOf(refused.status())) fields.push_back(fault.field);
   EXPECT_THAT(fields, ::testing::ElementsAre("parameters[0].value", "parameters[1].name",
@@ -256,7 +259,8 @@ TEST(ParameterValues, AllThatIsWrongIsToldAtOnce) {
   EXPECT_THAT(near.message(), testing::HasSubstr("is 1.00000002, outside its range"));
   const absl::Status out = CheckParameterValues(parameters, Eigen::Vector2d(-1, 2));
   EXPECT_EQ(ViolationsOf(out).size(), 2U);
-  EXPECT_EQ(DetailOf(Complete(parameters, {{"width", 3}}).status()).field, "parameters[0].value");
+  EXPECT_EQ(DetailOf(CompleteParameters(parameters, {{"width", 3}}).status()).field,
+            "parameters[0].value");
 }
 
 TEST(Contact, FacesPointOutwards) {

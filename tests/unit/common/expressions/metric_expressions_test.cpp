@@ -1,4 +1,4 @@
-// Metrics of one's own: values, exact gradients, units, and what is said where one is wrong.
+// Custom metrics: values, exact gradients, units, and what is said where one is wrong.
 #include "common/expressions/metric_expressions.h"
 
 #include <gmock/gmock.h>

@@ -34,10 +34,10 @@ class RunningServiceTest : public ::testing::Test {
     gateway_ = *rpc::IdentitySigner::Load(folder_.path() / "keys", "gateway");
     handlers_.begin = [this](const rpc::Call& call, const KeepRequest& request,
                              store::Transaction& transaction) -> absl::StatusOr<v1::Operation> {
-      jobs::NewOperation wanted = rpc::OperationOf(call, "probe.work", "things/" + request.name(),
-                                                   request, request.value());
+      operations::NewOperation wanted = rpc::OperationOf(
+          call, "probe.work", "things/" + request.name(), request, request.value());
       if (!keeps_methods_) wanted.method.clear();
-      MORTISE_ASSIGN_OR_RETURN(jobs::Operation operation,
+      MORTISE_ASSIGN_OR_RETURN(operations::Operation operation,
                                service_->environment().operations->Start(transaction, wanted));
       return rpc::ToProto(operation);
     };
@@ -62,8 +62,8 @@ class RunningServiceTest : public ::testing::Test {
 
   void Start() {
     auto service = rpc::RunningService::Start(Options(), [this](rpc::ServiceEnvironment& given) {
-      given.operations->Register("probe.work",
-                                 [this](jobs::OperationContext& context) { return Work(context); });
+      given.operations->Register(
+          "probe.work", [this](operations::OperationContext& context) { return Work(context); });
       return absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>>(
           std::vector<std::shared_ptr<grpc::Service>>{
               std::make_shared<ProbeAdapter>(given.dispatcher, &handlers_)});
@@ -78,7 +78,7 @@ class RunningServiceTest : public ::testing::Test {
   }
 
   // Reports progress, then waits to be released or cancelled.
-  absl::StatusOr<std::string> Work(jobs::OperationContext& context) {
+  absl::StatusOr<std::string> Work(operations::OperationContext& context) {
     context.ReportProgress({.done = 1, .total = 2, .message = "half"});
     if (context.request() == "fail") return InvalidField("value", "was told to fail");
     std::unique_lock lock(mutex_);

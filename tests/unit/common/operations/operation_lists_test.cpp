@@ -9,7 +9,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/operations/operations_fixture.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 namespace {
 
 TEST_P(OperationsTest, ListsNewestFirstByPages) {
@@ -167,4 +167,4 @@ TEST_P(OperationsTest, AVisitBeginsAnewWhereTheDatabaseWasLost) {
 }
 
 }  // namespace
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -20,7 +20,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 
 enum class Driver { kSqlite, kPostgresql };
 
@@ -153,4 +153,4 @@ class OperationsTest : public ::testing::TestWithParam<Driver> {
   std::unique_ptr<store::Store> store_;
 };
 
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -16,7 +16,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/operations/operations_fixture.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 namespace {
 
 using ::testing::ElementsAre;
@@ -254,4 +254,4 @@ TEST_P(OperationsTest, WaitReturnsAtItsDeadline) {
 }
 
 }  // namespace
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

@@ -12,7 +12,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/common/operations/operations_fixture.h"
 
-namespace mortise::jobs {
+namespace mortise::operations {
 namespace {
 
 using ::testing::ElementsAre;
@@ -184,4 +184,4 @@ TEST_P(OperationsTest, AnotherReplicaWatchesAndCancels) {
 }
 
 }  // namespace
-}  // namespace mortise::jobs
+}  // namespace mortise::operations

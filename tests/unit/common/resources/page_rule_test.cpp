@@ -12,8 +12,8 @@ namespace {
 TEST(PageRule, TakesSizesFromNothingToTheLargest) {
   EXPECT_EQ(ReadPageQuery(0, "")->size, kDefaultPageSize);
   EXPECT_EQ(ReadPageQuery(1, "")->size, 1);
-  EXPECT_EQ(ReadPageQuery(kLargestPageSize, "")->size, kLargestPageSize);
-  for (const int size : {-1, kLargestPageSize + 1}) {
+  EXPECT_EQ(ReadPageQuery(kMaxPageSize, "")->size, kMaxPageSize);
+  for (const int size : {-1, kMaxPageSize + 1}) {
     const absl::Status refused = ReadPageQuery(size, "").status();
     EXPECT_EQ(DetailOf(refused).field, "page_size");
     EXPECT_NE(refused.message().find("must be 0 to 1000"), absl::string_view::npos) << refused;
@@ -38,11 +38,11 @@ TEST(PageRoom, EndsWithTheEntriesOrBeforeTheBytes) {
   EXPECT_TRUE(few.Take(1));
   EXPECT_FALSE(few.Take(1));
   PageRoom small(1000);
-  EXPECT_TRUE(small.Take(kMostPageBytes - 10));
+  EXPECT_TRUE(small.Take(kMaxPageBytes - 10));
   EXPECT_FALSE(small.Take(11));
   EXPECT_TRUE(small.Take(10));
   PageRoom one(1000);
-  EXPECT_TRUE(one.Take(2 * kMostPageBytes)) << "else nobody could ever see it";
+  EXPECT_TRUE(one.Take(2 * kMaxPageBytes)) << "else nobody could ever see it";
   EXPECT_FALSE(one.Take(1));
 }
 

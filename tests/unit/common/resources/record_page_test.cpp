@@ -58,7 +58,7 @@ class RecordPageTest : public ::testing::Test {
         bytes += text.value.size();
         seen_.push_back(text.value.substr(0, 4));
       }
-      EXPECT_TRUE(bytes <= kMostPageBytes || page->entries.size() == 1);
+      EXPECT_TRUE(bytes <= kMaxPageBytes || page->entries.size() == 1);
       sizes.push_back(page->entries.size());
       query.after = page->next_page_token;
     } while (!query.after.empty());

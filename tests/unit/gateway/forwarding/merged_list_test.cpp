@@ -109,13 +109,13 @@ TEST(MergedList, GivesTheLargestPagesAndAsksSourcesForNoLarger) {
   }
   const auto whole = Fetcher(lists, 5000);
   const auto fetch = [&](const std::string& source, int page_size, const std::string& token) {
-    EXPECT_LE(page_size, resources::kLargestPageSize);
+    EXPECT_LE(page_size, resources::kMaxPageSize);
     return whole(source, page_size, token);
   };
   std::vector<Item> seen;
   std::string token;
   do {
-    const auto page = MergeLists<Item>({"a", "b"}, resources::kLargestPageSize, token, fetch, Newer,
+    const auto page = MergeLists<Item>({"a", "b"}, resources::kMaxPageSize, token, fetch, Newer,
                                        Identify, SizeOf);
     ASSERT_TRUE(page.ok()) << page.status();
     seen.insert(seen.end(), page->items.begin(), page->items.end());

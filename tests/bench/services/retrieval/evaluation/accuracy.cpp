@@ -46,7 +46,7 @@ absl::StatusOr<std::unique_ptr<Manifold>> ManifoldOf(
                                           : MeshFamilyOf(shapes, kind.category, kind.parameters));
   study.Say(absl::StrCat(Titled(kind), ": ", family.name));
   MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<Manifold> manifold,
-                           MakeFamilyManifold(family.function, descriptor));
+                           MakeFamilyManifold(family.design_template, descriptor));
   return std::make_unique<RememberingManifold>(std::move(manifold));
 }
 

@@ -49,8 +49,8 @@ absl::Status WriteCollection(Study& study, ResultFolder& results) {
     for (const EvaluationFamily& family : study.families()) {
       if (family.category != categories[c]) continue;
       (family.mesh.empty() ? shipped : meshes) += 1;
-      least = std::min(least, family.function->parameters().size());
-      most = std::max(most, family.function->parameters().size());
+      least = std::min(least, family.design_template->parameters().size());
+      most = std::max(most, family.design_template->parameters().size());
     }
     table.rows.push_back({categories[c],
                           c < kThesisModels.size() ? absl::StrCat(kThesisModels[c]) : "–",

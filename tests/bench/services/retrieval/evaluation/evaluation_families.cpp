@@ -82,9 +82,9 @@ absl::StatusOr<EvaluationFamily> MakeFamily(v1::TemplateBundle bundle) {
       .author = "",
       .mesh = "",
       .uses_kernel = message.has_cad(),
-      .function = nullptr};
+      .design_template = nullptr};
   MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(bundle, templates::Trial::kDefaults));
-  MORTISE_ASSIGN_OR_RETURN(family.function, templates::Compile(bundle));
+  MORTISE_ASSIGN_OR_RETURN(family.design_template, templates::Compile(bundle));
   return family;
 }
 
@@ -155,7 +155,7 @@ absl::StatusOr<EvaluationFamily> FamilyOf(const bench::LabelledMesh& mesh,
                           .kin = file,
                           .author = AuthorOf(mesh.source),
                           .mesh = file,
-                          .function = std::move(made.function)};
+                          .design_template = std::move(made.design_template)};
 }
 
 }  // namespace
@@ -187,7 +187,7 @@ absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shape
   for (const bench::LabelledMesh& mesh : meshes) {
     if (mesh.category != category) continue;
     absl::StatusOr<EvaluationFamily> family = FamilyOf(mesh, shapes, options);
-    if (family.ok() && family->function->parameters().size() == options.most_parameters) {
+    if (family.ok() && family->design_template->parameters().size() == options.most_parameters) {
       return family;
     }
   }
@@ -196,7 +196,7 @@ absl::StatusOr<EvaluationFamily> MeshFamilyOf(const std::filesystem::path& shape
 
 std::vector<RandomDesign> RandomDesigns(const EvaluationFamily& family, int count,
                                         std::uint64_t seed) {
-  const std::vector<parametric::Parameter>& parameters = family.function->parameters();
+  const std::vector<parametric::Parameter>& parameters = family.design_template->parameters();
   Random random(seed);
   std::vector<RandomDesign> designs;
   for (int draw = 0; draw < kDrawsADesign * count && static_cast<int>(designs.size()) < count;
@@ -206,7 +206,7 @@ std::vector<RandomDesign> RandomDesigns(const EvaluationFamily& family, int coun
       const parametric::Parameter& parameter = parameters[static_cast<std::size_t>(i)];
       q[i] = parameter.minimum + random.Uniform() * (parameter.maximum - parameter.minimum);
     }
-    const absl::StatusOr<parametric::EvaluatedDesign> design = family.function->Evaluate(q);
+    const absl::StatusOr<parametric::EvaluatedDesign> design = family.design_template->Evaluate(q);
     if (design.ok()) designs.push_back({q, DesignSurface(*design)});
   }
   return designs;
@@ -215,7 +215,7 @@ std::vector<RandomDesign> RandomDesigns(const EvaluationFamily& family, int coun
 absl::StatusOr<mesh::SurfaceMesh> MeanShape(const EvaluationFamily& family) {
   MORTISE_ASSIGN_OR_RETURN(
       const parametric::EvaluatedDesign design,
-      family.function->Evaluate(parametric::Defaults(family.function->parameters())));
+      family.design_template->Evaluate(parametric::Defaults(family.design_template->parameters())));
   return DesignSurface(design);
 }
 

@@ -24,7 +24,7 @@ struct EvaluationFamily {
   std::string author;        // of the mesh that it was made of; empty where we drew it
   std::string mesh;          // the LabelledShape that it was made of; empty where we drew it
   bool uses_kernel = false;  // whether each design's solids are made anew by the CAD kernel
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
 };
 
 // "lamp", "boat", "chair", "plane", "cart", "table": those of Table 4.1, in its order.

@@ -97,10 +97,10 @@ std::optional<std::vector<Primitive>> ReadCover(const std::filesystem::path& pat
 std::filesystem::path FamilyCovers::PathOf(const EvaluationFamily& family,
                                            const Descriptor& descriptor, double delta) const {
   const std::string content = absl::StrJoin(
-      std::make_tuple(family.name, family.function->head().digest, descriptor.properties().name,
-                      descriptor.properties().dimension, absl::StrFormat("%a", delta),
-                      options_.rejections, options_.most_primitives, options_.most_evaluations,
-                      options_.seed, static_cast<int>(options_.kind)),
+      std::make_tuple(family.name, family.design_template->head().digest,
+                      descriptor.properties().name, descriptor.properties().dimension,
+                      absl::StrFormat("%a", delta), options_.rejections, options_.most_primitives,
+                      options_.most_evaluations, options_.seed, static_cast<int>(options_.kind)),
       " ");
   return folder_ / absl::StrCat("cover-", Sha256Hex(content).substr(0, 24));
 }
@@ -117,7 +117,7 @@ absl::StatusOr<std::vector<std::vector<Primitive>>> FamilyCovers::Of(
       continue;
     }
     if (!manifold) {
-      MORTISE_ASSIGN_OR_RETURN(manifold, MakeFamilyManifold(family.function, descriptor));
+      MORTISE_ASSIGN_OR_RETURN(manifold, MakeFamilyManifold(family.design_template, descriptor));
       manifold = std::make_unique<RememberingManifold>(std::move(manifold));
     }
     CoverOptions options = options_;

@@ -34,7 +34,8 @@ absl::StatusOr<Found> Find(const Study& study, const PrimitiveIndex& index, std:
     MORTISE_ASSIGN_OR_RETURN(found.surface, MeanShape(family));
     return found;
   }
-  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design, family.function->Evaluate(q));
+  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
+                           family.design_template->Evaluate(q));
   found.surface = DesignSurface(design);
   return found;
 }

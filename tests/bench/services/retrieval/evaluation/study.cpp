@@ -57,7 +57,7 @@ absl::StatusOr<std::unique_ptr<Study>> Study::Create(StudySettings settings,
                                         study->settings_.quick, study->settings_.points,
                                         study->effort_.most_evaluations);
   for (const EvaluationFamily& family : study->families_) {
-    absl::StrAppend(&content, " ", family.name, family.function->head().digest);
+    absl::StrAppend(&content, " ", family.name, family.design_template->head().digest);
   }
   for (const LabelledShape& shape : study->shapes_) absl::StrAppend(&content, " ", shape.name);
   for (const auto& descriptor : study->descriptors_) {

@@ -65,11 +65,11 @@ bool Print(const LabelledMesh& mesh) {
     return false;
   }
   const double made = Milliseconds(begin);
-  const Trial trial = TryDesigns(*family->function);
+  const Trial trial = TryDesigns(*family->design_template);
   std::printf("%-50s %5zu %8zu %10zu %4d %9zu %8.0f %8.2f %4d/%d %s\n", file.c_str(), family->parts,
               family->elements, family->relationships, family->degrees_of_freedom,
-              family->function->parameters().size(), made, trial.milliseconds, trial.made, kDesigns,
-              trial.fault.c_str());
+              family->design_template->parameters().size(), made, trial.milliseconds, trial.made,
+              kDesigns, trial.fault.c_str());
   std::fflush(stdout);
   return true;
 }

@@ -21,9 +21,9 @@
 namespace mortise::bench {
 namespace {
 
-constexpr int kTrials = 40;             // designs at random parameters
-constexpr double kFeasible = 0.9;       // of them that can be made
-constexpr std::size_t kMostSizes = 60;  // that are looked at
+constexpr int kTrials = 40;            // designs at random parameters
+constexpr double kFeasible = 0.9;      // of them that can be made
+constexpr std::size_t kMaxSizes = 60;  // that are looked at
 
 struct WantedCategory {
   const char* name;
@@ -92,7 +92,7 @@ bool AreFeasible(const parametric::ParametricAssembly& assembly,
 absl::StatusOr<std::vector<templates::AssemblyHandle>> ChooseHandles(
     const parametric::ParametricAssembly& assembly, std::size_t most) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<templates::AssemblyHandle> sizes,
-                           templates::IndependentSizes(assembly, kMostSizes));
+                           templates::IndependentSizes(assembly, kMaxSizes));
   std::vector<templates::AssemblyHandle> chosen;
   for (const templates::AssemblyHandle& size : sizes) {
     if (chosen.size() == most) break;
@@ -168,7 +168,7 @@ absl::StatusOr<MeshFamily> FamilyOfMesh(const LabelledMesh& mesh,
   MeshFamily family{.name = "templates/" + id,
                     .category = mesh.category,
                     .path = mesh.path,
-                    .function = nullptr,
+                    .design_template = nullptr,
                     .parts = drawing.parts.size(),
                     .elements = assembly->elements().size(),
                     .relationships = assembly->relationships().size(),
@@ -180,7 +180,7 @@ absl::StatusOr<MeshFamily> FamilyOfMesh(const LabelledMesh& mesh,
   head.digest = parametric::BundleDigest(bundle);
   head.title = drawing.name;
   MORTISE_ASSIGN_OR_RETURN(
-      family.function,
+      family.design_template,
       templates::MakeAssemblyTemplate(
           std::move(head), assembly,
           {.handles = std::move(handles), .boundary_conditions = {}, .reference_temperature = ""}));

@@ -42,7 +42,7 @@ struct MeshFamily {
   // the quarter of it that lies about the drawn size: the first of these with which nine of ten
   // designs at random parameters can be made, together with the parameters before it. Where none
   // is, the size is no parameter.
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   std::size_t parts = 0;          // as drawn
   std::size_t elements = 0;       // parts and patterns
   std::size_t relationships = 0;  // that were found

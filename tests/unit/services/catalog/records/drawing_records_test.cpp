@@ -30,7 +30,7 @@ class DrawingRecordsTest : public ::testing::Test {
 
   // Sends bytes in two pieces; its digest.
   absl::StatusOr<std::string> Upload(const std::string& bytes, const std::string& sha256 = "",
-                                     int64_t most = kMostDrawingBytes) {
+                                     int64_t most = kMaxDrawingBytes) {
     const auto reader = ReceiveDrawing(store_.get(), blobs_, most);
     const std::size_t half = bytes.size() / 2;
     v1::Chunk first = ChunkOf(bytes, 0, half);

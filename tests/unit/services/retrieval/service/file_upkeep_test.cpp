@@ -27,9 +27,9 @@ class FileUpkeepTest : public ::testing::Test {
     options.clock = [this] { return absl::Now() + ahead_; };
     store_ = store::OpenStore(options).value();
     blobs_ = store_->Blobs().value();
-    operations_ = jobs::Operations::Create({.service = "retrieval"}, store_.get()).value();
+    operations_ = operations::Operations::Create({.service = "retrieval"}, store_.get()).value();
     // Without Resume none ever runs.
-    operations_->Register("build", [](jobs::OperationContext&) { return ""; });
+    operations_->Register("build", [](operations::OperationContext&) { return ""; });
   }
 
   std::string File(const std::string& bytes) { return blobs_->Put(bytes).value(); }
@@ -59,7 +59,7 @@ class FileUpkeepTest : public ::testing::Test {
   absl::Duration ahead_ = absl::ZeroDuration();  // of the store's clock
   std::unique_ptr<store::Store> store_;
   store::BlobFolder* blobs_ = nullptr;
-  std::unique_ptr<jobs::Operations> operations_;
+  std::unique_ptr<operations::Operations> operations_;
 };
 
 TEST_F(FileUpkeepTest, WhatNothingNamesGoesAfterADay) {
@@ -91,7 +91,7 @@ TEST_F(FileUpkeepTest, CoversIndexesAndMeshesKeepTheirs) {
 TEST_F(FileUpkeepTest, WhatABuildHasMadeStaysWhileItGoesOn) {
   std::string name;
   InTransaction([&](store::Transaction& transaction) -> absl::Status {
-    MORTISE_ASSIGN_OR_RETURN(const jobs::Operation operation,
+    MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
                              operations_->Start(transaction, {.kind = "build"}));
     name = operation.name;
     return absl::OkStatus();

@@ -27,9 +27,9 @@ class IndexBuildsTest : public ::testing::Test {
     store_ = store::OpenStore({.url = "sqlite:" + (folder_.path() / "store.db").string(),
                                .service = "retrieval"})
                  .value();
-    operations_ = jobs::Operations::Create({.service = "retrieval"}, store_.get()).value();
-    operations_->Register(jobs::kIndexOperation,
-                          [this](jobs::OperationContext& context) { return Run(context); });
+    operations_ = operations::Operations::Create({.service = "retrieval"}, store_.get()).value();
+    operations_->Register(operations::kIndexOperation,
+                          [this](operations::OperationContext& context) { return Run(context); });
   }
 
   // Until Resume none ever runs.
@@ -41,8 +41,8 @@ class IndexBuildsTest : public ::testing::Test {
     const absl::Status started =
         store_->Transact([&](store::Transaction& transaction) -> absl::Status {
           MORTISE_ASSIGN_OR_RETURN(
-              const jobs::Operation operation,
-              operations_->Start(transaction, {.kind = jobs::kIndexOperation,
+              const operations::Operation operation,
+              operations_->Start(transaction, {.kind = operations::kIndexOperation,
                                                .request = request.SerializeAsString(),
                                                .subject = "indexes",
                                                .creator = creator,
@@ -63,7 +63,7 @@ class IndexBuildsTest : public ::testing::Test {
   }
 
   // Has the turn until it may go.
-  absl::StatusOr<std::string> Run(jobs::OperationContext& context) {
+  absl::StatusOr<std::string> Run(operations::OperationContext& context) {
     MORTISE_ASSIGN_OR_RETURN(const std::unique_lock turn, turn_.Take(context));
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return may_go_; });
@@ -76,7 +76,7 @@ class IndexBuildsTest : public ::testing::Test {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool may_go_ = false;  // guarded by mutex_
-  std::unique_ptr<jobs::Operations> operations_;
+  std::unique_ptr<operations::Operations> operations_;
 };
 
 TEST_F(IndexBuildsTest, WhatIsPendingIsUnderWay) {
@@ -117,7 +117,7 @@ TEST_F(IndexBuildsTest, ABuildThatWaitsSaysForWhich) {
   const std::string first = Start("users/ada"), second = Start("users/ada");
   std::string message, holder;
   const auto watch = [&](const std::string& name, const std::string& other) {
-    return operations_->Watch(name, [&, other](const jobs::Operation& now) {
+    return operations_->Watch(name, [&, other](const operations::Operation& now) {
       if (now.progress.message.empty()) return;
       const std::lock_guard lock(mutex_);
       message = now.progress.message;
@@ -138,7 +138,7 @@ TEST_F(IndexBuildsTest, ABuildThatWaitsSaysForWhich) {
   changed_.notify_all();
   for (const std::string& name : {first, second}) {
     EXPECT_EQ(operations_->Wait(name, absl::InfiniteFuture())->state,
-              jobs::OperationState::kSucceeded);
+              operations::OperationState::kSucceeded);
   }
 }
 

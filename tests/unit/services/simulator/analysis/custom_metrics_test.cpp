@@ -1,4 +1,4 @@
-// Metrics of one's own on designs whose numbers can be told by hand: a bar of 0.4 x 0.04 x 0.04 m,
+// Custom metrics on designs whose numbers can be told by hand: a bar of 0.4 x 0.04 x 0.04 m,
 // E = 1e10 Pa, ν = 0, as a template of each kind; and those that ship.
 #include "services/simulator/analysis/custom_metrics.h"
 
@@ -22,18 +22,18 @@ namespace {
 
 using ::testing::HasSubstr;
 
-CompiledTemplate Compiled(v1::TemplateBundle bundle) {
+EvaluatedTemplate Compiled(v1::TemplateBundle bundle) {
   const absl::Status complete = templates::FillAndCheck(bundle, templates::Trial::kDefaults);
   EXPECT_EQ(complete, absl::OkStatus());
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();
-  CompiledTemplate compiled;
-  compiled.function = *function;
+  EvaluatedTemplate compiled;
+  compiled.design_template = *function;
   compiled.metrics = parametric::FromProto(parametric::MetricDefinitionsOf(bundle.template_()));
   return compiled;
 }
 
-absl::StatusOr<DesignAnalysis> Analyze(const CompiledTemplate& compiled,
+absl::StatusOr<DesignAnalysis> Analyze(const EvaluatedTemplate& compiled,
                                        const std::string& definitions,
                                        std::vector<std::string> metrics = {},
                                        double element_size = 0.02, bool quadratic = true) {
@@ -45,13 +45,13 @@ absl::StatusOr<DesignAnalysis> Analyze(const CompiledTemplate& compiled,
   DesignAnalysisOptions options;
   options.mesh.element_size = element_size;
   options.mesh.quadratic = quadratic;
-  options.parameters = parametric::Defaults(compiled.function->parameters());
+  options.parameters = parametric::Defaults(compiled.design_template->parameters());
   auto own = CustomMetricsOf(compiled, asked);
   if (!own.ok()) return own.status();
   options.custom_metrics = *std::move(own);
-  const auto design = compiled.function->Evaluate(options.parameters);
+  const auto design = compiled.design_template->Evaluate(options.parameters);
   if (!design.ok()) return design.status();
-  const auto model = MakeDesignModel(*compiled.function, options.parameters, *design);
+  const auto model = MakeDesignModel(*compiled.design_template, options.parameters, *design);
   if (!model.ok()) return model.status();
   return AnalyzeDesign(*model, metrics, false, options);
 }
@@ -128,7 +128,7 @@ TEST(CustomMetrics, SpeakOfFacesAndPointsOfEveryKindOfTemplate) {
 }
 
 TEST(CustomMetrics, KnowTheHeatThatFacesHaveAndGive) {
-  const CompiledTemplate bar =
+  const EvaluatedTemplate bar =
       Compiled(templates::PartsBar(OnPart("in", "HEAT_FLUX", "x_min", {"250"}) +
                                    OnPart("out", "CONVECTION", "x_max", {"20", "293.15"})));
   const double cold = 293.15 + 250.0 / 20, hot = cold + 250 * 0.4 / 0.5;
@@ -146,7 +146,7 @@ TEST(CustomMetrics, KnowTheHeatThatFacesHaveAndGive) {
     EXPECT_NEAR(ValueOf(analysis, i), expected[i], 1e-8 * std::max(1.0, expected[i])) << i;
   }
   EXPECT_TRUE(analysis->cases.empty());
-  const CompiledTemplate held =
+  const EvaluatedTemplate held =
       Compiled(templates::PartsBar(OnPart("hot", "TEMPERATURE", "x_min", {"400"}) +
                                    OnPart("cold", "TEMPERATURE", "x_max", {"300"})));
   const double flow = 0.5 * 100 / 0.4 * 0.0016;
@@ -155,7 +155,7 @@ TEST(CustomMetrics, KnowTheHeatThatFacesHaveAndGive) {
 }
 
 TEST(CustomMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
-  const CompiledTemplate bar =
+  const EvaluatedTemplate bar =
       Compiled(templates::PartsBar(OnPart("wall", "FIXED", "x_min", {}) +
                                    OnPart("pull", "FORCE", "x_max", {"100", "0", "0"}, "pulled") +
                                    OnPart("push", "FORCE", "x_max", {"-300", "0", "0"}, "pushed")));
@@ -173,14 +173,14 @@ TEST(CustomMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
 }
 
 TEST(CustomMetrics, WithoutPhysicsNeedNoMeshAndNoSupports) {
-  const CompiledTemplate bar = Compiled(templates::PartsBar(""));
+  const EvaluatedTemplate bar = Compiled(templates::PartsBar(""));
   const auto analysis = Analyze(bar, Metric("kg/m^2", "mass / area('x_max')"));
   EXPECT_NEAR(ValueOf(analysis), 1000 * 0.4, 1e-9);
   EXPECT_FALSE(analysis->mesh.has_value());
 }
 
 TEST(CustomMetrics, OfPointsNeedNoSurface) {
-  CompiledTemplate lamp = Compiled(templates::ShippedTemplate("templates/lamp"));
+  EvaluatedTemplate lamp = Compiled(templates::ShippedTemplate("templates/lamp"));
   auto own = CustomMetricsOf(lamp, {});
   ASSERT_TRUE(own.ok()) << own.status();
   EXPECT_FALSE(DemandsOf({"mass", "off_centre", "focus_distance"}, *own).surface);
@@ -193,7 +193,7 @@ TEST(CustomMetrics, OfPointsNeedNoSurface) {
 }
 
 TEST(CustomMetrics, TellWhatIsWrongWithTheirName) {
-  const CompiledTemplate bar = Compiled(PulledBars().at("parts"));
+  const EvaluatedTemplate bar = Compiled(PulledBars().at("parts"));
   const auto expect = [&bar](const std::string& definitions, absl::StatusCode code,
                              const std::string& message) {
     const auto analysis = Analyze(bar, definitions);

@@ -47,18 +47,20 @@ v1::TemplateBundle Cantilever(const std::string& force, const std::string& more 
 }
 
 struct Subject {
-  CompiledTemplate compiled;
+  EvaluatedTemplate compiled;
   parametric::MetricExpressions own;
 
-  Eigen::VectorXd Defaults() const { return parametric::Defaults(compiled.function->parameters()); }
+  Eigen::VectorXd Defaults() const {
+    return parametric::Defaults(compiled.design_template->parameters());
+  }
   parametric::EvaluatedDesign At(const Eigen::VectorXd& q) const {
-    auto design = compiled.function->Evaluate(q);
+    auto design = compiled.design_template->Evaluate(q);
     EXPECT_TRUE(design.ok()) << design.status();
     return *std::move(design);
   }
   // Without `joined` it is for meshes that are there.
   DesignModel ModelAt(const Eigen::VectorXd& q, bool joined = true) const {
-    auto model = MakeDesignModel(*compiled.function, q, At(q), {.is_wanted = joined});
+    auto model = MakeDesignModel(*compiled.design_template, q, At(q), {.is_wanted = joined});
     EXPECT_TRUE(model.ok()) << model.status();
     return *std::move(model);
   }
@@ -69,7 +71,7 @@ Subject SubjectOf(v1::TemplateBundle bundle, const std::string& definitions = kT
   Subject subject;
   auto function = templates::Compile(bundle);
   EXPECT_TRUE(function.ok()) << function.status();
-  subject.compiled.function = *function;
+  subject.compiled.design_template = *function;
   v1::MetricDefinitions asked;
   EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(definitions, &asked));
   auto own = CustomMetricsOf(subject.compiled, asked);
@@ -93,7 +95,8 @@ DesignAnalysis WithGradients(const Subject& subject, const Eigen::VectorXd& q,
                              const std::vector<std::string>& metrics, double element_size,
                              bool quadratic) {
   const DesignModel model = subject.ModelAt(q);
-  const DesignMotion motion = KnownMotion(*subject.compiled.function, q, subject.At(q), model);
+  const DesignMotion motion =
+      KnownMotion(*subject.compiled.design_template, q, subject.At(q), model);
   EXPECT_FALSE(motion.faces.empty());
   DesignAnalysisOptions options = OptionsOf(subject, q, element_size, quadratic);
   options.motion = &motion;
@@ -116,7 +119,7 @@ class MovingMesh {
   MovingMesh(const Subject& subject, const Eigen::VectorXd& q, const DesignAnalysis& analysis)
       : subject_(subject), q_(q), mesh_(*analysis.mesh) {
     const auto motion =
-        MotionOf(*subject.compiled.function, q, subject.At(q), subject.ModelAt(q, false));
+        MotionOf(*subject.compiled.design_template, q, subject.At(q), subject.ModelAt(q, false));
     EXPECT_TRUE(motion.ok()) << motion.status();
     auto velocities = NodeVelocities(mesh_, motion->faces, static_cast<int>(q.size()), 1e9);
     EXPECT_TRUE(velocities.ok()) << velocities.status();
@@ -386,20 +389,20 @@ TEST(DesignGradients, AreLeftOutWhereNobodyKnowsThem) {
   ASSERT_EQ(analysis.gradients.size(), 2u);
   EXPECT_EQ(analysis.gradients[0].metric, "mass");
   EXPECT_EQ(analysis.gradients[1].metric, "compliance");
-  EXPECT_TRUE(GradientsOf(*beam.compiled.function, true).loads);
+  EXPECT_TRUE(GradientsOf(*beam.compiled.design_template, true).loads);
   const Subject turning =
       SubjectOf(Cantilever("-10",
                            "boundary_conditions { name: 'spin' kind: ROTATION components: '0' "
                            "components: '0' components: '0' components: '0' components: '0' "
                            "components: '1' } "));
-  EXPECT_FALSE(GradientsOf(*turning.compiled.function, true).loads);
-  EXPECT_TRUE(GradientsOf(*turning.compiled.function, true).mass);
+  EXPECT_FALSE(GradientsOf(*turning.compiled.design_template, true).loads);
+  EXPECT_TRUE(GradientsOf(*turning.compiled.design_template, true).mass);
   const Subject boat = SubjectOf(templates::ShippedTemplate("templates/boat"), "");
-  EXPECT_FALSE(GradientsOf(*boat.compiled.function, false).loads);
-  EXPECT_FALSE(GradientsOf(*boat.compiled.function, false).shape);
-  EXPECT_TRUE(GradientsOf(*boat.compiled.function, false).mass);
+  EXPECT_FALSE(GradientsOf(*boat.compiled.design_template, false).loads);
+  EXPECT_FALSE(GradientsOf(*boat.compiled.design_template, false).shape);
+  EXPECT_TRUE(GradientsOf(*boat.compiled.design_template, false).mass);
   const Subject wrench = SubjectOf(templates::ShippedTemplate("templates/wrench"), "");
-  EXPECT_FALSE(GradientsOf(*wrench.compiled.function, false).mass);
+  EXPECT_FALSE(GradientsOf(*wrench.compiled.design_template, false).mass);
 }
 
 }  // namespace

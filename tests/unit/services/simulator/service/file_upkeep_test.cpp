@@ -32,9 +32,9 @@ class FileUpkeepTest : public ::testing::TestWithParam<Driver> {
     options.clock = [this] { return absl::Now() + ahead_; };
     store_ = store::OpenStore(options).value();
     blobs_ = store_->Blobs().value();
-    operations_ = jobs::Operations::Create({.service = "simulator"}, store_.get()).value();
+    operations_ = operations::Operations::Create({.service = "simulator"}, store_.get()).value();
     // Without Resume none ever runs.
-    operations_->Register("analysis", [](jobs::OperationContext&) { return ""; });
+    operations_->Register("analysis", [](operations::OperationContext&) { return ""; });
   }
 
   // A mesh, or a file of an analysis.
@@ -52,7 +52,7 @@ class FileUpkeepTest : public ::testing::TestWithParam<Driver> {
     std::string name;
     InTransaction([&](store::Transaction& transaction) -> absl::Status {
       MORTISE_ASSIGN_OR_RETURN(
-          const jobs::Operation operation,
+          const operations::Operation operation,
           operations_->Start(transaction,
                              {.kind = "analysis", .request = task.SerializeAsString()}));
       name = operation.name;
@@ -72,7 +72,7 @@ class FileUpkeepTest : public ::testing::TestWithParam<Driver> {
   absl::Duration ahead_ = absl::ZeroDuration();  // of the store's clock
   std::unique_ptr<store::Store> store_;
   store::BlobFolder* blobs_ = nullptr;
-  std::unique_ptr<jobs::Operations> operations_;
+  std::unique_ptr<operations::Operations> operations_;
 };
 
 TEST_P(FileUpkeepTest, AnUploadThatNobodyAnalysesGoesAfterADay) {

@@ -24,7 +24,7 @@ constexpr double kLength = 0.4;  // m
 constexpr double kSide = 0.04;   // m
 
 struct Subject {
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   parametric::EvaluatedDesign design;
   DesignModel model;
 };
@@ -32,10 +32,10 @@ struct Subject {
 Subject SubjectOf(v1::TemplateBundle bundle) {
   Subject subject;
   EXPECT_EQ(templates::FillAndCheck(bundle, templates::Trial::kDefaults), absl::OkStatus());
-  subject.function = templates::Compile(bundle).value();
-  const Eigen::VectorXd q = parametric::Defaults(subject.function->parameters());
-  subject.design = subject.function->Evaluate(q).value();
-  subject.model = MakeDesignModel(*subject.function, q, subject.design).value();
+  subject.design_template = templates::Compile(bundle).value();
+  const Eigen::VectorXd q = parametric::Defaults(subject.design_template->parameters());
+  subject.design = subject.design_template->Evaluate(q).value();
+  subject.model = MakeDesignModel(*subject.design_template, q, subject.design).value();
   return subject;
 }
 

@@ -27,7 +27,7 @@ namespace {
 using parametric::EvaluatedDesign;
 
 struct Subject {
-  std::shared_ptr<const templates::Template> function;
+  std::shared_ptr<const templates::Template> design_template;
   Eigen::VectorXd parameters;
   EvaluatedDesign design;
 
@@ -37,9 +37,9 @@ struct Subject {
 };
 
 Subject At(const Subject& other, const Eigen::VectorXd& parameters) {
-  auto design = other.function->Evaluate(parameters);
+  auto design = other.design_template->Evaluate(parameters);
   EXPECT_TRUE(design.ok()) << design.status();
-  return {other.function, parameters, *std::move(design)};
+  return {other.design_template, parameters, *std::move(design)};
 }
 
 Subject AtDefaults(v1::TemplateBundle bundle) {
@@ -214,7 +214,7 @@ double VolumeOf(const mesh::AssemblySurface& surface, std::size_t part) {
 // At any parameters: legs become oval, but stay glued, and conditions find their faces.
 TEST(TemplateModelTest, PartsWithShapesAreGluedWhereTheyTouch) {
   const Subject drawn = AtDefaults(Stool(TurnedLeg()));
-  const auto& parameters = drawn.function->parameters();
+  const auto& parameters = drawn.design_template->parameters();
   for (const double share : {-1.0, 0.3, 0.7}) {
     SCOPED_TRACE(share);
     Eigen::VectorXd q = drawn.parameters;
@@ -365,7 +365,7 @@ TEST(TemplateModelTest, GeometryMetricsOfWhatShips) {
       if (assembly.name() == message.assembly().assembly()) *bundle.mutable_assembly() = assembly;
     }
     const Subject subject = AtDefaults(bundle);
-    const auto model = MakeDesignModel(*subject.function, subject.parameters, subject.design,
+    const auto model = MakeDesignModel(*subject.design_template, subject.parameters, subject.design,
                                        {.is_wanted = false});
     ASSERT_TRUE(model.ok()) << model.status();
     EXPECT_EQ(model->surface.triangles.cols(), 0);
@@ -397,7 +397,7 @@ TEST(TemplateModelTest, GeometryMetricsOfWhatShips) {
 TEST(TemplateModelTest, ABoatOfWoodFloatsUpright) {
   const Subject boat = AtDefaults(templates::ShippedTemplate("templates/boat"));
   const auto model =
-      MakeDesignModel(*boat.function, boat.parameters, boat.design, {.is_wanted = false});
+      MakeDesignModel(*boat.design_template, boat.parameters, boat.design, {.is_wanted = false});
   ASSERT_TRUE(model.ok()) << model.status();
   const auto analysis =
       AnalyzeDesign(*model, {"draught", "metacentric_height", "displaced_volume", "mass"}, false);
@@ -410,13 +410,13 @@ TEST(TemplateModelTest, ABoatOfWoodFloatsUpright) {
 
 TEST(TemplateModelTest, TheCostHasTheItemsCurrency) {
   const Subject table = AtDefaults(templates::ShippedTemplate("templates/table"));
-  const std::vector<MetricDescription> metrics = MetricsOf(*table.function);
+  const std::vector<MetricDescription> metrics = MetricsOf(*table.design_template);
   const auto cost = std::find_if(metrics.begin(), metrics.end(),
                                  [](const auto& metric) { return metric.name == "cost"; });
   ASSERT_NE(cost, metrics.end());
   EXPECT_EQ(cost->unit, "EUR");
   const auto model =
-      MakeDesignModel(*table.function, table.parameters, table.design, {.is_wanted = false});
+      MakeDesignModel(*table.design_template, table.parameters, table.design, {.is_wanted = false});
   ASSERT_TRUE(model.ok()) << model.status();
   const auto analysis = AnalyzeDesign(*model, {"cost"}, false);
   ASSERT_TRUE(analysis.ok()) << analysis.status();
