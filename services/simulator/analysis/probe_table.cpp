@@ -2,21 +2,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "common/base/errors.h"
+#include "common/base/text_escapes.h"
 #include "common/fem/elements/material.h"
 #include "common/fem/elements/point_location.h"
 #include "common/fem/elements/shape_functions.h"
 #include "services/simulator/analysis/mesh_analysis.h"
 
 namespace mortise::simulator {
-namespace {
-
-std::string Quoted(const std::string& text) {
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
-}
-
-}  // namespace
 
 absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
                                               const std::vector<Probe>& probes,
@@ -34,12 +27,12 @@ absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
                             "lies outside of the body");
       }
       table.places_.push_back(
-          {Quoted(probe.name), static_cast<std::int64_t>(k) + 1, false, probe.points[k],
+          {CsvField(probe.name), static_cast<std::int64_t>(k) + 1, false, probe.points[k],
            mesh.tetrahedra.col(found[k].element),
            TetrahedronShape(found[k].barycentric, static_cast<int>(mesh.tetrahedra.rows()))});
     }
     for (const int node : probe.nodes) {
-      table.places_.push_back({Quoted(probe.name), node_numbers[node], true, mesh.nodes.col(node),
+      table.places_.push_back({CsvField(probe.name), node_numbers[node], true, mesh.nodes.col(node),
                                Eigen::VectorXi::Constant(1, node), Eigen::VectorXd::Ones(1)});
     }
   }
@@ -47,7 +40,7 @@ absl::StatusOr<ProbeTable> ProbeTable::Create(const mesh::TetrahedralMesh& mesh,
 }
 
 void ProbeTable::Add(const std::string& case_name, const ProbedFields& fields) {
-  const std::string name = Quoted(case_name);
+  const std::string name = CsvField(case_name);
   const auto write = [&](double value) { absl::StrAppendFormat(&csv_, ",%.9g", value); };
   for (const Place& place : places_) {
     absl::StrAppend(&csv_, place.probe, place.is_node ? ",node," : ",point,", place.number, ",",
