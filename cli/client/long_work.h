@@ -40,27 +40,28 @@ struct LongWork {
 // Makes the call that starts an operation.
 using StartCall = std::function<absl::Status(grpc::ClientContext&, v1::Operation*)>;
 
-// "watch it with: mortise operations watch …" and how to cancel it, with this client's flags.
+// Returns "watch it with: mortise operations watch …" and how to cancel it, with this client's
+// flags.
 std::string HowToGoOn(const GatewayClient& client, const v1::Operation& operation);
 
-// Starts an operation and follows it to its end; nothing if it is to run detached. FAILED ones give
-// their error, CANCELLED ones are CANCELLED. Interrupted (ending_signals.h), with what became of
-// it, if a signal came.
+// Starts an operation and follows it to its end; returns nothing if it is to run detached. FAILED
+// ones give their error, CANCELLED ones are CANCELLED. Interrupted (ending_signals.h), with what
+// became of it, if a signal came.
 absl::StatusOr<std::optional<v1::Operation>> Run(const GatewayClient& client, const LongWork& work,
                                                  const StartCall& start, Output& output);
 
-// Follows one that somebody has started.
+// Follows an operation that somebody has started to its end, as Run does.
 absl::StatusOr<v1::Operation> Follow(const GatewayClient& client, const LongWork& work,
                                      const v1::Operation& operation, Output& output);
 
-// The operation as it stands; NOT_FOUND.
+// Returns the operation as it stands. NOT_FOUND.
 absl::StatusOr<v1::Operation> GetOperation(const GatewayClient& client, const std::string& name);
 
-// The name of the resource that an operation made, the best so far of one that was cancelled; empty
-// if there is none.
+// Returns the name of the resource that an operation made, the best so far of one that was
+// cancelled; empty if there is none.
 std::string MadeBy(const v1::Operation& operation);
 
-// The result of an operation that has succeeded.
+// Returns the result of an operation that has succeeded.
 template <typename Result>
 absl::StatusOr<Result> ResultOf(const v1::Operation& operation) {
   Result result;
@@ -68,7 +69,7 @@ absl::StatusOr<Result> ResultOf(const v1::Operation& operation) {
   return absl::InternalError("unexpected result of " + operation.name());
 }
 
-// Run, and the result; nothing if it is to run detached.
+// Runs an operation, and returns its result; nothing if it is to run detached.
 template <typename Result>
 absl::StatusOr<std::optional<Result>> RunTo(const GatewayClient& client, const LongWork& work,
                                             const StartCall& start, Output& output) {

@@ -22,12 +22,12 @@
 
 namespace mortise::cli {
 
-// A number with an optional length unit: "1.2", "1.2 m", "1200mm", "120cm", in SI.
+// Reads a number with an optional length unit: "1.2", "1.2 m", "1200mm", "120cm". It is in SI.
 // INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
 
-// The same of a metric: with a length, a mass (kg, g), a pressure (Pa, kPa, MPa, GPa), a force (N,
-// kN) or a frequency (Hz, kHz) as unit, in SI.
+// Reads a metric in the same way: with a length, a mass (kg, g), a pressure (Pa, kPa, MPa, GPa), a
+// force (N, kN) or a frequency (Hz, kHz) as unit, in SI.
 absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field);
 
 // What a metric or parameter shall keep to; either end may be missing, not both.
@@ -39,35 +39,37 @@ struct NamedRange {
 
 using ValueParser = absl::StatusOr<double>(const std::string& text, const std::string& field);
 
-// "NAME=LOW:HIGH", "NAME=LOW:" or "NAME=:HIGH", the ends as `parse` reads them. INVALID_ARGUMENT
+// Reads "NAME=LOW:HIGH", "NAME=LOW:" or "NAME=:HIGH", the ends as `parse` does. INVALID_ARGUMENT
 // naming `option`.
 absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option,
                                       ValueParser& parse = ParseMetricValue);
 
-// "X, Y, Z", in SI. INVALID_ARGUMENT naming `field`.
+// Reads "X, Y, Z" in SI. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<v1::Vector3> ParseVector(const std::string& text, const std::string& field);
 
-// "name=value" with the value as above.
+// Reads "name=value", the values as ParseQuantity does. INVALID_ARGUMENT naming "--set".
 absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     const std::vector<std::string>& assignments);
 
-// What somebody asks of an element of an assembly: "shelf 1.x=1200mm" for its size along an axis,
-// or "leg.z.maximum=0.7", with size, center, minimum or maximum; the value as ParseQuantity reads
-// it. INVALID_ARGUMENT naming "--set TEXT".
+// Reads what somebody asks of an element of an assembly: "shelf 1.x=1200mm" for its size along an
+// axis, or "leg.z.maximum=0.7", with size, center, minimum or maximum; the value as ParseQuantity
+// reads it. INVALID_ARGUMENT naming "--set TEXT".
 absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text);
 
-// "x", "y" or "z", or nothing for an axis that is not said. INVALID_ARGUMENT naming `field`.
+// Reads "x", "y" or "z", or nothing for an axis that is not said. INVALID_ARGUMENT naming `field`.
 absl::StatusOr<v1::Axis> ParseAxis(const std::string& text, const std::string& field);
 
-// "table" or "templates/table" to "templates/table".
+// Returns "templates/table" for "table" as for "templates/table".
 std::string ResourceName(const std::string& collection, const std::string& name);
 
-// A length for people, in millimetres with its unit.
+// Writes a length for people, in millimetres with its unit.
 std::string Millimetres(double metres);
 
+// Returns the value, in SI, as a metric.
 v1::Metric MetricOf(const std::string& unit, double value);
 
-// A metric for people: lengths in mm, stresses in MPa (Pa where they are small), the rest in SI.
+// Writes a metric for people: lengths in mm, stresses in MPa (Pa where they are small), the rest in
+// SI.
 std::string MetricText(const v1::Metric& metric);
 
 // Writes what a stream of chunks carries, after checking size and digest. Returns the size.
@@ -77,8 +79,8 @@ absl::StatusOr<std::int64_t> Receive(grpc::ClientReader<v1::Chunk>& reader,
 // Most bytes of a file that fit into a message; larger ones are uploaded first.
 inline constexpr std::size_t kMaxInMessage = 4'000'000;
 
-// OK if the design has no faults; else FAILED_PRECONDITION, DESIGN_FAULTY, with how many there are
-// and the first.
+// Returns OK if the design has no faults; else FAILED_PRECONDITION, DESIGN_FAULTY, with how many
+// there are and the first.
 absl::Status FaultsToStatus(const std::string& design,
                             const google::protobuf::RepeatedPtrField<std::string>& faults);
 

@@ -23,10 +23,10 @@ struct DesignFilterOptions {
   // Declares the flags.
   void AddTo(CommandFlags& flags);
 
-  // Where items come from, once the request is filled: --item, or a place in a file.
+  // Says where items come from, once the request is filled: --item, or a place in a file.
   void AddItemSources(FieldSources& sources) const;
 
-  // INVALID_ARGUMENT naming a flag, or a place in a file.
+  // Puts what the flags say into the request. INVALID_ARGUMENT naming a flag, or a place in a file.
   absl::Status Fill(v1::SearchShapesRequest* request);
 };
 
