@@ -57,14 +57,14 @@ class DesignCheck {
 
   void CheckMaterial(const ReadDesign<v1::Material>& read) {
     CheckName(read);
-    Report(read, parametric::CheckMaterialMessage(read.message(), read.placed.unread));
+    Report(read, parametric::ValidateMaterialMessage(read.message(), read.placed.unread));
     TakeKnown(read.message(), materials_);
   }
 
   void CheckItem(const ReadDesign<v1::Item>& read) {
     CheckName(read);
     Findings findings =
-        parametric::CheckItemMessage(read.message(), materials_, read.placed.unread);
+        parametric::ValidateItemMessage(read.message(), materials_, read.placed.unread);
     if (designs_.unread_names.count(read.message().material()) != 0) {
       std::erase_if(findings,
                     [](const FieldViolation& finding) { return finding.field == "material"; });
@@ -93,7 +93,7 @@ class DesignCheck {
         UsesWhatIsAtFault(message)) {
       return;
     }
-    Report(read, parametric::CheckTemplateMessage(message, items_, materials_));
+    Report(read, parametric::ValidateTemplateMessage(message, items_, materials_));
   }
 
   const Designs& designs_;

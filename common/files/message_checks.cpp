@@ -74,8 +74,8 @@ bool IsWidthForKind(const std::string& field, const v1::Item& item, const Unread
 
 }  // namespace
 
-std::vector<FieldViolation> CheckMaterialMessage(const v1::Material& material,
-                                                 const UnreadFields& unread) {
+std::vector<FieldViolation> ValidateMaterialMessage(const v1::Material& material,
+                                                    const UnreadFields& unread) {
   const absl::StatusOr<Material> read = FromProto(material);
   std::vector<FieldViolation> findings;
   for (const FieldViolation& violation : AllViolationsOf(read.status())) {
@@ -87,9 +87,9 @@ std::vector<FieldViolation> CheckMaterialMessage(const v1::Material& material,
   return findings;
 }
 
-std::vector<FieldViolation> CheckItemMessage(const v1::Item& item,
-                                             const std::vector<Material>& materials,
-                                             const UnreadFields& unread) {
+std::vector<FieldViolation> ValidateItemMessage(const v1::Item& item,
+                                                const std::vector<Material>& materials,
+                                                const UnreadFields& unread) {
   std::vector<FieldViolation> findings;
   Item read = ReadItem(item, findings);
   std::erase_if(findings,

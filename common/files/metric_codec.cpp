@@ -20,9 +20,9 @@ const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message) {
   return message.metric_definitions();
 }
 
-std::vector<FieldViolation> CheckMetricDefinitions(const v1::MetricDefinitions& message,
-                                                   const std::vector<NamedUnit>& parameters,
-                                                   const std::vector<NamedUnit>& metrics) {
+std::vector<FieldViolation> ValidateMetricDefinitions(const v1::MetricDefinitions& message,
+                                                      const std::vector<NamedUnit>& parameters,
+                                                      const std::vector<NamedUnit>& metrics) {
   std::vector<FieldViolation> findings;
   const MetricExpressions expressions(FromProto(message), {}, parameters, metrics,
                                       "metric_definitions", findings);

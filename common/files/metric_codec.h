@@ -15,8 +15,8 @@ const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message);
 
 // What is wrong with the definitions of a template or request, as MetricExpressions finds it, with
 // places below "metric_definitions".
-std::vector<FieldViolation> CheckMetricDefinitions(const v1::MetricDefinitions& message,
-                                                   const std::vector<NamedUnit>& parameters,
-                                                   const std::vector<NamedUnit>& metrics);
+std::vector<FieldViolation> ValidateMetricDefinitions(const v1::MetricDefinitions& message,
+                                                      const std::vector<NamedUnit>& parameters,
+                                                      const std::vector<NamedUnit>& metrics);
 
 }  // namespace mortise::parametric

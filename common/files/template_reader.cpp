@@ -164,9 +164,9 @@ TemplateDefinition ReadTemplate(const v1::Template& message,
   return definition;
 }
 
-std::vector<FieldViolation> CheckTemplateMessage(const v1::Template& message,
-                                                 const std::vector<Item>& items,
-                                                 const std::vector<Material>& materials) {
+std::vector<FieldViolation> ValidateTemplateMessage(const v1::Template& message,
+                                                    const std::vector<Item>& items,
+                                                    const std::vector<Material>& materials) {
   std::vector<FieldViolation> findings;
   const TemplateBundle bundle = {ReadTemplate(message, findings), items, materials};
   if (findings.empty()) return ValidateTemplate(bundle);

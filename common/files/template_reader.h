@@ -17,8 +17,8 @@ TemplateDefinition ReadTemplate(const v1::Template& message, std::vector<FieldVi
 // Everything wrong with a template of parts: what cannot be read, and what makes no sense of the
 // rest, as ValidateTemplate says, but what only follows from something that cannot be read. `items`
 // and `materials` are those that there are.
-std::vector<FieldViolation> CheckTemplateMessage(const v1::Template& message,
-                                                 const std::vector<Item>& items,
-                                                 const std::vector<Material>& materials);
+std::vector<FieldViolation> ValidateTemplateMessage(const v1::Template& message,
+                                                    const std::vector<Item>& items,
+                                                    const std::vector<Material>& materials);
 
 }  // namespace mortise::parametric

@@ -325,7 +325,7 @@ void TryAll(const Template& compiled, const std::string& kind,
 absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
   MORTISE_ASSIGN_OR_RETURN(const TemplateHead used, HeadOf(bundle));
   return parametric::ToStatus(
-      parametric::CheckTemplateMessage(bundle.template_(), used.items, used.materials));
+      parametric::ValidateTemplateMessage(bundle.template_(), used.items, used.materials));
 }
 
 absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
@@ -372,8 +372,8 @@ absl::Status CheckCustomMetrics(const v1::Template& message) {
     parameters.push_back({parameter.name(), parameter.unit()});
   }
   std::vector<FieldViolation> findings =
-      parametric::CheckMetricDefinitions(parametric::MetricDefinitionsOf(message), parameters,
-                                         simulator::UnitsOf(simulator::OfferedMetrics()));
+      parametric::ValidateMetricDefinitions(parametric::MetricDefinitionsOf(message), parameters,
+                                            simulator::UnitsOf(simulator::OfferedMetrics()));
   const std::string kind = message.has_cad() ? "cad." : message.has_cage() ? "cage." : "";
   for (FieldViolation& finding : findings) finding.field = kind + finding.field;
   return parametric::ToStatus(findings);

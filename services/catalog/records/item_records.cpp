@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& tr
   } else if (!absl::IsNotFound(material.status()) && !absl::IsInvalidArgument(material.status())) {
     return material.status();
   }
-  std::vector<FieldViolation> findings = parametric::CheckItemMessage(item, materials);
+  std::vector<FieldViolation> findings = parametric::ValidateItemMessage(item, materials);
   MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> of_shape,
                            CheckItemShape(transaction, item));
   findings.insert(findings.end(), of_shape.begin(), of_shape.end());

@@ -60,10 +60,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   CheckTable(text);
   const DesignFile file = ParseDesignCsv(text);
   for (const Placed<mortise::v1::Material>& placed : file.materials) {
-    CheckPlaces(placed, CheckMaterialMessage(placed.message, placed.unread));
+    CheckPlaces(placed, ValidateMaterialMessage(placed.message, placed.unread));
   }
   for (const Placed<mortise::v1::Item>& placed : file.items) {
-    CheckPlaces(placed, CheckItemMessage(placed.message, {}, placed.unread));
+    CheckPlaces(placed, ValidateItemMessage(placed.message, {}, placed.unread));
   }
   return 0;
 }

@@ -14,10 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (finding.message.empty()) std::abort();
   }
   for (const auto& placed : file.materials) {
-    (void)CheckMaterialMessage(placed.message, placed.unread);
+    (void)ValidateMaterialMessage(placed.message, placed.unread);
   }
   for (const auto& placed : file.items) {
-    (void)CheckItemMessage(placed.message, {}, placed.unread);
+    (void)ValidateItemMessage(placed.message, {}, placed.unread);
   }
   return 0;
 }

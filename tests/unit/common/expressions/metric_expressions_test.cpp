@@ -203,9 +203,9 @@ TEST(MetricExpressions, AreReadFromMessages) {
   metric.set_name("density");
   metric.set_unit("kg/m^3");
   metric.set_expression("mass / volume");
-  EXPECT_THAT(CheckMetricDefinitions(message, {}, kDesignMetrics), IsEmpty());
+  EXPECT_THAT(ValidateMetricDefinitions(message, {}, kDesignMetrics), IsEmpty());
   metric.set_unit("kg");
-  const auto findings = CheckMetricDefinitions(message, {}, kDesignMetrics);
+  const auto findings = ValidateMetricDefinitions(message, {}, kDesignMetrics);
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_EQ(findings[0].field, "metric_definitions.expressions[0].expression");
 }

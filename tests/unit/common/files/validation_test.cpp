@@ -111,7 +111,7 @@ TEST_F(ValidationTest, ReportsWhatCannotBeReadWithAllElse) {
   const auto places = [&] {
     std::vector<std::string> fields;
     for (const FieldViolation& finding :
-         CheckTemplateMessage(message, bundle_.items, bundle_.materials)) {
+         ValidateTemplateMessage(message, bundle_.items, bundle_.materials)) {
       fields.push_back(finding.field);
     }
     return fields;
