@@ -67,7 +67,7 @@ class Gateway {
   virtual const GatewayAddresses& addresses() const = 0;
 };
 
-// The version that /version and GetHouse tell.
+// Returns the version that /version and GetHouse tell.
 const char* GatewayVersion();
 
 }  // namespace mortise::gateway

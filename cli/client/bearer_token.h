@@ -12,8 +12,8 @@ namespace mortise::cli {
 // Thread safe.
 class BearerToken {
  public:
-  // The token in `file`, or MORTISE_TOKEN if no file is named; empty if that is not set, either.
-  // Fails as ReadFile does.
+  // Returns the token in `file`, or MORTISE_TOKEN if no file is named; empty if that is not set,
+  // either. Fails as ReadFile does.
   static absl::StatusOr<std::unique_ptr<BearerToken>> Read(const std::string& file);
 
   std::string text() const;

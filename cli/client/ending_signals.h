@@ -37,8 +37,8 @@ class EndingSignals {
 // CANCELLED, INTERRUPTED: the command ends because of a signal. `subject` names what it had begun.
 absl::Status Interrupted(int signal, std::string_view message, std::string_view subject = "");
 
-// What a command that ends with this failure exits with: 128 and the signal where Interrupted made
-// it, as shells do; else 1.
+// Returns what a command that ends with this failure exits with: 128 and the signal where
+// Interrupted made it, as shells do; else 1.
 int ExitCodeOf(const absl::Status& failure);
 
 }  // namespace mortise::cli

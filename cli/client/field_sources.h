@@ -37,7 +37,7 @@ class FieldSources {
     bool is_file = false;
   };
 
-  // The source of a field; the field itself if it has none.
+  // Returns the source of a field; the field itself if it has none.
   std::string SourceOf(std::string_view field) const;
 
   std::vector<Source> sources_;

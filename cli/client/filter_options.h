@@ -25,7 +25,7 @@ struct FilterOptions {
 // --before.
 void AddFilterOptions(CommandFlags& flags, FilterOptions& options);
 
-// The time that a person means by a text:
+// Returns the time that a person means by a text:
 // - "2026-11-26", "2026-11-26T20:25", "2026-11-26T20:25:30.5", with "Z" or "+01:00" behind it or
 //   else in `zone` (ISO 8601); a date is its first moment;
 // - "90s", "15min", "2h", "7d" or "3w": so long before `now`.
@@ -34,7 +34,7 @@ void AddFilterOptions(CommandFlags& flags, FilterOptions& options);
 absl::StatusOr<absl::Time> ParseTime(const std::string& text, const std::string& field,
                                      absl::Time now, absl::TimeZone zone);
 
-// The filter as lists take it. INVALID_ARGUMENT naming the flag at fault.
+// Returns the filter as lists take it. INVALID_ARGUMENT naming the flag at fault.
 absl::StatusOr<v1::ResourceFilter> ParseFilter(const FilterOptions& options, absl::Time now,
                                                absl::TimeZone zone);
 

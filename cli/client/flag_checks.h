@@ -7,7 +7,7 @@
 
 namespace mortise::cli {
 
-// A finite number above 0; CLI11's own check lets NaN pass.
+// Returns a finite number above 0; CLI11's own check lets NaN pass.
 inline CLI::Validator PositiveFinite() {
   return CLI::Validator(
       [](const std::string& text) {

@@ -39,7 +39,7 @@ class Output {
   void Document(const nlohmann::ordered_json& document);
   void DocumentOf(const google::protobuf::Message& message);
 
-  // The text of the last document, empty if there was none.
+  // Returns the text of the last document, empty if there was none.
   const std::string& last_document() const { return last_document_; }
 
   // Redraws the progress bar (a plain line now and then where standard error is no terminal).
@@ -66,7 +66,7 @@ class Output {
   std::string last_document_;
 };
 
-// The proto3 JSON of a message, field names as in the proto.
+// Returns the proto3 JSON of a message, field names as in the proto.
 nlohmann::ordered_json ToJson(const google::protobuf::Message& message);
 
 }  // namespace mortise::cli

@@ -22,9 +22,9 @@ class Reflection {
   // Full names of the services the server offers.
   absl::StatusOr<std::vector<std::string>> ListServices();
 
-  // The method named "SERVICE.METHOD" or "SERVICE/METHOD", where SERVICE may leave out its package
-  // and the ending "Service": "catalog.GetItem" finds mortise.v1.CatalogService/GetItem. NOT_FOUND
-  // with the nearest names otherwise.
+  // Returns the method named "SERVICE.METHOD" or "SERVICE/METHOD", where SERVICE may leave out its
+  // package and the ending "Service": "catalog.GetItem" finds mortise.v1.CatalogService/GetItem.
+  // NOT_FOUND with the nearest names otherwise.
   absl::StatusOr<const google::protobuf::MethodDescriptor*> FindMethod(const std::string& name);
 
  private:

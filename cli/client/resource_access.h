@@ -33,12 +33,12 @@ struct ResourceList {
   bool has_more = false;            // than the query's limit
 };
 
-// The resources of a kind that meet the query. INVALID_ARGUMENT naming "subject" and "states" where
-// the kind has none, or no such state.
+// Returns the resources of a kind that meet the query. INVALID_ARGUMENT naming "subject" and
+// "states" where the kind has none, or no such state.
 absl::StatusOr<ResourceList> ListResources(const GatewayClient& client, const ResourceKind& kind,
                                            const ResourceQuery& query);
 
-// One resource, at its latest revision. NOT_FOUND.
+// Returns one resource, at its latest revision. NOT_FOUND.
 absl::StatusOr<Resource> GetResource(const GatewayClient& client, const ResourceKind& kind,
                                      const std::string& name);
 
@@ -58,8 +58,8 @@ Tags TagsOf(const google::protobuf::Message& resource);
 absl::StatusOr<Resource> ChangeTags(const GatewayClient& client, const ResourceKind& kind,
                                     const google::protobuf::Message& present, const Tags& tags);
 
-// The text of a singular field, within others where `path` has dots: enum values by their names.
-// Empty if there is no such field or it is not set.
+// Returns the text of a singular field, within others where `path` has dots: enum values by their
+// names. Empty if there is no such field or it is not set.
 std::string TextOfField(const google::protobuf::Message& message, std::string_view path);
 
 }  // namespace mortise::cli

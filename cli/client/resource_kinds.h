@@ -15,29 +15,29 @@ namespace mortise::cli {
 struct ResourceKind {
   const char* names;  // the first part of their names: "workOrders" of "workOrders/0198c1"
 
-  // The type of the request of their List method.
+  // Returns the type of the request of their List method.
   const google::protobuf::Descriptor* (*list_request)();
 
   // The field that tells people which one it is, within others where it has dots: "title".
   const char* about;
 };
 
-// All of them, in the order in which a design passes through them.
+// Returns all of them, in the order in which a design passes through them.
 const std::vector<ResourceKind>& ResourceKinds();
 
 // "fronts", "analyses" … as a text, for messages and help.
 std::string ResourceKindNames();
 
-// The kind that a person calls "workOrders" or "work-orders"; null if there is none.
+// Returns the kind that a person calls "workOrders" or "work-orders"; null if there is none.
 const ResourceKind* FindKind(std::string_view word);
 
-// The kind of a resource's name: that of "items/board-38x89". INVALID_ARGUMENT, "name".
+// Returns the kind of a resource's name: that of "items/board-38x89". INVALID_ARGUMENT, "name".
 absl::StatusOr<const ResourceKind*> KindOfName(const std::string& name);
 
 // ListItems.
 const google::protobuf::MethodDescriptor& ListMethod(const ResourceKind& kind);
 
-// The repeated field of the entries in the response of ListItems.
+// Returns the repeated field of the entries in the response of ListItems.
 const google::protobuf::FieldDescriptor& EntriesField(const ResourceKind& kind);
 
 // GetItem.

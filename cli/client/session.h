@@ -31,10 +31,10 @@ struct Session {
   // True where the house ends with the command, as that of `mortise demo` does.
   bool house_ends_too = false;
 
-  // How the command does work that takes long.
+  // Returns how the command does work that takes long.
   LongWork Work(bool detach) const;
 
-  // The connection, made on first use.
+  // Returns the connection, made on first use.
   absl::StatusOr<GatewayClient*> Client();
 
  private:

@@ -19,7 +19,8 @@ namespace mortise::cli {
 // Adds import and export to `assembly`.
 void AddAssemblyFileCommands(CLI::App& assembly, Session& session);
 
-// The parameters that `assembly adjust --json` printed, or a sample of `assembly sample --json`.
+// Returns the parameters that `assembly adjust --json` printed, or a sample of `assembly sample
+// --json`.
 absl::StatusOr<std::vector<double>> ReadParameters(const std::filesystem::path& path);
 
 // Writes a design as a file, and says so; nothing if there is no path.

@@ -52,8 +52,8 @@ void AddFindings(const ReadDesign<Message>& read, const std::vector<FieldViolati
   }
 }
 
-// Everything that makes no sense, but of shapes, and of what needs the CAD kernel or the catalog's
-// assemblies. Templates are not judged by what is at fault itself.
+// Returns everything that makes no sense, but of shapes, and of what needs the CAD kernel or the
+// catalog's assemblies. Templates are not judged by what is at fault itself.
 std::vector<FieldViolation> CheckDesigns(const Designs& designs, const Present& present);
 
 }  // namespace mortise::cli

@@ -13,7 +13,7 @@
 
 namespace mortise::cli {
 
-// The bytes of a file of at most 64 MiB, packed by gzip. NOT_FOUND; RESOURCE_EXHAUSTED.
+// Returns the bytes of a file of at most 64 MiB, packed by gzip. NOT_FOUND; RESOURCE_EXHAUSTED.
 absl::StatusOr<std::string> PackedFile(const std::filesystem::path& file);
 
 // Whether a file is STEP by its extension: .step, .stp, .stpz.

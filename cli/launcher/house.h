@@ -53,11 +53,11 @@ std::string AuthorityOf(const HouseOptions& options);
 // process whose port is taken.
 absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options);
 
-// The services behind the gateway, in the order in which data flows.
+// Returns the services behind the gateway, in the order in which data flows.
 const std::vector<std::string>& HouseServices();
 
-// The usual ports: "gateway" (gRPC), "gateway-http", "bus-publish", "bus-subscribe", and one for
-// each service. The same in compose.yaml.
+// Returns the usual ports: "gateway" (gRPC), "gateway-http", "bus-publish", "bus-subscribe", and
+// one for each service. The same in compose.yaml.
 int UsualPort(const std::string& listener);
 
 }  // namespace mortise::cli

@@ -4,16 +4,16 @@
 
 namespace mortise {
 
-// The soft limit of open descriptors.
+// Returns the soft limit of open descriptors.
 int DescriptorLimit();
 
 // Raises the soft limit to the hard one, at most to 65536, since nothing here needs more and some
 // systems allow a thousand million; returns what it is then. At the start of a process.
 int RaiseDescriptorLimit();
 
-// How many connections of clients all servers of a process may hold together: what the limit leaves
-// after a reserve for the store, channels to other processes, threads' queues and logs. 256 are
-// reserved, and half of a limit below 512.
+// Returns how many connections of clients all servers of a process may hold together: what the
+// limit leaves after a reserve for the store, channels to other processes, threads' queues and
+// logs. 256 are reserved, and half of a limit below 512.
 int ConnectionsWithin(int descriptor_limit);
 
 // Whether so many descriptors are open that the next must be for the process's own needs. Systems

@@ -6,7 +6,7 @@
 
 namespace mortise {
 
-// The SHA-256 digest of `bytes` as 64 lower-case hexadecimal digits.
+// Returns the SHA-256 digest of `bytes` as 64 lower-case hexadecimal digits.
 std::string Sha256Hex(std::string_view bytes);
 
 }  // namespace mortise

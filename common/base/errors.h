@@ -18,10 +18,11 @@ struct ErrorDetail {
   std::string field;   // e.g. "parameters[2].value", or the resource name
 };
 
-// INVALID_ARGUMENT, reason FIELD_INVALID: the value of `field` (a proto field path) is not usable.
+// Returns INVALID_ARGUMENT, reason FIELD_INVALID: the value of `field` (a proto field path) is
+// not usable.
 absl::Status InvalidField(std::string_view field, std::string_view message);
 
-// NOT_FOUND, reason RESOURCE_NOT_FOUND: no resource of this name.
+// Returns NOT_FOUND, reason RESOURCE_NOT_FOUND: no resource of this name.
 absl::Status ResourceNotFound(std::string_view name);
 
 // ALREADY_EXISTS, reason RESOURCE_EXISTS.
@@ -34,10 +35,10 @@ absl::Status StaleRevision(std::string_view name, long expected, long actual);
 // ABORTED, reason STALE_ATTEMPT: a worker reports a task that has been leased again since.
 absl::Status StaleAttempt(std::string_view name, long attempt, long current);
 
-// RESOURCE_EXHAUSTED, reason TOO_LARGE.
+// Returns RESOURCE_EXHAUSTED, reason TOO_LARGE.
 absl::Status TooLarge(std::string_view what, std::string_view limit);
 
-// FAILED_PRECONDITION with a reason of the caller's.
+// Returns FAILED_PRECONDITION with a reason of the caller's.
 absl::Status PreconditionFailed(std::string_view reason, std::string_view message,
                                 std::string_view field = "");
 
@@ -47,7 +48,7 @@ absl::Status RoleRequired(std::string_view method, std::string_view role);
 // UNAUTHENTICATED, reason IDENTITY_INVALID.
 absl::Status IdentityInvalid(std::string_view message);
 
-// UNAVAILABLE, reason PEER_UNAVAILABLE: another process cannot be reached; retry later.
+// Returns UNAVAILABLE, reason PEER_UNAVAILABLE: another process cannot be reached; retry later.
 absl::Status PeerUnavailable(std::string_view peer, std::string_view message);
 
 // INTERNAL, reason STORAGE_FAILED: the database or the file system refused.

@@ -15,11 +15,11 @@ struct FieldViolation {
   std::string message;  // without the field
 };
 
-// INVALID_ARGUMENT, reason FIELD_INVALID: none of these fields is usable. One violation gives what
-// InvalidField gives; there must be at least one.
+// Fails with INVALID_ARGUMENT, reason FIELD_INVALID: none of these fields is usable. One violation
+// gives what InvalidField gives; there must be at least one.
 absl::Status InvalidFields(const std::vector<FieldViolation>& violations);
 
-// What InvalidFields was given, if that was more than one; else empty.
+// Returns what InvalidFields was given, if that was more than one; else empty.
 std::vector<FieldViolation> ViolationsOf(const absl::Status& status);
 
 }  // namespace mortise

@@ -10,7 +10,7 @@
 
 namespace mortise {
 
-// The bytes of a file. NOT_FOUND or PERMISSION_DENIED with the path; INVALID_ARGUMENT for a
+// Returns the bytes of a file. NOT_FOUND or PERMISSION_DENIED with the path; INVALID_ARGUMENT for a
 // folder; RESOURCE_EXHAUSTED past `limit` bytes.
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path,
                                      std::size_t limit = std::size_t{1} << 30);

@@ -9,9 +9,9 @@
 
 namespace mortise {
 
-// A new unique identifier: 26 lower-case letters and digits, of which the first ten are the time in
-// milliseconds, so that identifiers sort by age. Those of one process sort strictly by age, also
-// within a millisecond and after its clock was set back. Not a secret: one may tell the next.
+// Returns a new unique identifier: 26 lower-case letters and digits, of which the first ten are the
+// time in milliseconds, so that identifiers sort by age. Those of one process sort strictly by age,
+// also within a millisecond and after its clock was set back. Not a secret: one may tell the next.
 // Thread safe.
 std::string NewIdentifier();
 

@@ -43,14 +43,15 @@ absl::StatusOr<ChildAnswer> AskChild(std::string_view question, const ChildOptio
 // under the address sanitizer, which reserves addresses without end.
 void LimitChildMemory(std::size_t bytes);
 
-// The addresses that the child takes now, bytes: of its program and of the libraries it loads.
+// Returns the addresses that the child takes now, bytes: of its program and of the libraries it
+// loads.
 std::size_t MappedMemory();
 
 // Limits the child's processor time; so it also ends when its parent was killed. Of processor time,
 // because a busy machine is no fault of the file.
 void LimitChildTime(std::chrono::seconds limit);
 
-// The question, or its first bytes, at least `limit` + 1, if it is longer than `limit`.
+// Returns the question, or its first bytes, at least `limit` + 1, if it is longer than `limit`.
 std::string ReadQuestion(std::size_t limit);
 
 // Writes a piece of the answer, as far as the parent still listens.

@@ -15,8 +15,8 @@ struct LogRotation {
   std::filesystem::path file;  // where standard output and error of this process go
   std::int64_t size = 0;       // bytes after which a new file is begun
 
-  // What whoever started this process asks for: MORTISE_LOG_FILE, and MORTISE_LOG_MEGABYTES, 10 if
-  // that is not set. Nothing without the first.
+  // Returns what whoever started this process asks for: MORTISE_LOG_FILE, and
+  // MORTISE_LOG_MEGABYTES, 10 if that is not set. Nothing without the first.
   static std::optional<LogRotation> FromEnvironment();
 
   // Where the file is full: renames it and the older ones by one, removes the oldest, and goes on

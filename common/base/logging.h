@@ -39,8 +39,8 @@ class TraceScope {
   std::string previous_;
 };
 
-// The trace id of this thread, empty outside any TraceScope. It is the request id given by the
-// gateway, and travels in the signed identity.
+// Returns the trace id of this thread, empty outside any TraceScope. It is the request id given by
+// the gateway, and travels in the signed identity.
 const std::string& CurrentTraceId();
 
 }  // namespace mortise

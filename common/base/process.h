@@ -21,7 +21,7 @@ struct ProcessEnd {
   std::string ToString() const;
 };
 
-// The file of a program on PATH, that may be run; empty if there is none.
+// Returns the file of a program on PATH, that may be run; empty if there is none.
 std::filesystem::path FindProgram(const std::string& program);
 
 // Starts `command` (program and arguments) with standard output and error appended to `log`, the

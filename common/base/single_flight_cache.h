@@ -44,16 +44,16 @@ class SingleFlightCache {
   explicit SingleFlightCache(std::size_t capacity, Oversize oversize = Oversize::kForgotten)
       : capacity_(capacity), oversize_(oversize) {}
 
-  // The value if it is kept; it counts as used.
+  // Returns the value if it is kept; it counts as used.
   std::optional<Value> Find(const std::string& key) {
     const std::lock_guard lock(mutex_);
     return FindKept(key);
   }
 
-  // The value that is kept; else the one that another thread is making, when it is there; else what
-  // `make` gives on this thread. A failure is told to all who wait for it, and not kept. But what
-  // fails because of who asked (cancelled, past a deadline, without permission) is tried again for
-  // each of the others.
+  // Returns the value that is kept; else the one that another thread is making, when it is there;
+  // else what `make` gives on this thread. A failure is told to all who wait for it, and not kept.
+  // But what fails because of who asked (cancelled, past a deadline, without permission) is tried
+  // again for each of the others.
   absl::StatusOr<Value> Get(const std::string& key, const Make& make) {
     std::unique_lock lock(mutex_);
     while (true) {
@@ -73,13 +73,13 @@ class SingleFlightCache {
     return landing.Settle(make());
   }
 
-  // How much is kept, bytes.
+  // Returns how much is kept, bytes.
   std::size_t bytes() const {
     const std::lock_guard lock(mutex_);
     return bytes_;
   }
 
-  // How many calls of Get wait for what others make.
+  // Returns how many calls of Get wait for what others make.
   std::size_t waiting() const {
     const std::lock_guard lock(mutex_);
     return waiting_;

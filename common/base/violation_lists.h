@@ -8,8 +8,8 @@
 
 namespace mortise {
 
-// What InvalidField or InvalidFields was given. Of an INVALID_ARGUMENT without a field, its message
-// with an empty one; nothing of all other statuses.
+// Returns what InvalidField or InvalidFields was given. Of an INVALID_ARGUMENT without a field, its
+// message with an empty one; nothing of all other statuses.
 std::vector<FieldViolation> AllViolationsOf(const absl::Status& status);
 
 // Everything that is wrong by either. A failure that is no INVALID_ARGUMENT stands alone, the first

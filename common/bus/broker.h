@@ -36,7 +36,7 @@ class Broker {
   static absl::StatusOr<std::unique_ptr<Broker>> Start(const BrokerOptions& options);
   virtual ~Broker() = default;
 
-  // The endpoints actually bound, to connect to.
+  // Returns the endpoints actually bound, to connect to.
   virtual std::string publisher_endpoint() const = 0;
   virtual std::string subscriber_endpoint() const = 0;
 };

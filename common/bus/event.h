@@ -59,9 +59,9 @@ struct Message {
 Frames Encode(const Event& event);
 Frames Encode(const Heartbeat& heartbeat);
 
-// The message of three frames. INVALID_ARGUMENT naming the part that is malformed: a wrong magic,
-// kind or length, a negative number, or a topic that does not agree with the header. Never trusts
-// its input.
+// Returns the message of three frames. INVALID_ARGUMENT naming the part that is malformed: a wrong
+// magic, kind or length, a negative number, or a topic that does not agree with the header. Never
+// trusts its input.
 absl::StatusOr<Message> Decode(std::string_view topic, std::string_view header,
                                std::string_view payload);
 

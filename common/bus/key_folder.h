@@ -16,11 +16,11 @@ namespace mortise::bus {
 // Writes a new pair for `name`. ALREADY_EXISTS if there is one.
 absl::Status CreateCurveKey(const std::filesystem::path& folder, std::string_view name);
 
-// The security of the broker `name`: every `*.curve-public` in the folder is allowed.
+// Returns the security of the broker `name`: every `*.curve-public` in the folder is allowed.
 absl::StatusOr<BrokerSecurity> LoadBrokerSecurity(const std::filesystem::path& folder,
                                                   std::string_view name);
 
-// The security of the process `name` towards the broker `broker`.
+// Returns the security of the process `name` towards the broker `broker`.
 absl::StatusOr<ClientSecurity> LoadClientSecurity(const std::filesystem::path& folder,
                                                   std::string_view name, std::string_view broker);
 

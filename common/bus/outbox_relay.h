@@ -37,7 +37,7 @@ class OutboxRelay {
   // Whether this relay holds the right to number (false: standing by).
   virtual bool active() const = 0;
 
-  // The number of the last event it published; 0 if none.
+  // Returns the number of the last event it published; 0 if none.
   virtual int64_t published() const = 0;
 
   // Waits until it has published event `number`; false if that took longer than `timeout`.

@@ -54,10 +54,10 @@ class ReplayingSubscriber {
   // Stops after the batch in hand.
   virtual ~ReplayingSubscriber() = default;
 
-  // The last number handled of `stream`.
+  // Returns the last number handled of `stream`.
   virtual int64_t cursor(const std::string& stream) const = 0;
 
-  // How many events came through fetches rather than live.
+  // Returns how many events came through fetches rather than live.
   virtual int64_t fetched() const = 0;
 
   // Waits until the cursor of `stream` has reached `number`; false if that took longer.

@@ -16,7 +16,7 @@ struct CurveKeyPair {
   std::string secret_key = {};
 };
 
-// A new random pair.
+// Returns a new random pair.
 absl::StatusOr<CurveKeyPair> NewCurveKeyPair();
 
 // What the broker needs. Without keys it is plain, and may bind loopback endpoints only.
@@ -36,7 +36,8 @@ struct ClientSecurity {
 // localhost.
 bool IsLoopback(const std::string& endpoint);
 
-// INVALID_ARGUMENT, naming the field, if a key is malformed or a plain endpoint leaves the machine.
+// Fails with INVALID_ARGUMENT, naming the field, if a key is malformed or a plain endpoint leaves
+// the machine.
 absl::Status CheckSecurity(const BrokerSecurity& security,
                            const std::vector<std::string>& endpoints);
 absl::Status CheckSecurity(const ClientSecurity& security, const std::string& endpoint);

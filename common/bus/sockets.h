@@ -19,7 +19,7 @@ void SecureClient(const ClientSecurity& security, zmq::socket_t& socket);
 // Makes `socket` a CURVE server whose clients the ZAP handler judges, if keys are given.
 void SecureServer(const BrokerSecurity& security, zmq::socket_t& socket);
 
-// UNAVAILABLE naming the endpoint.
+// Fails with UNAVAILABLE naming the endpoint.
 absl::Status EndpointFailed(const std::string& endpoint, const zmq::error_t& error);
 
 // A file descriptor that becomes readable when any thread rings it.

@@ -27,8 +27,8 @@ class Subscriber {
   static absl::StatusOr<std::unique_ptr<Subscriber>> Connect(const SubscriberOptions& options);
   virtual ~Subscriber() = default;
 
-  // The next message, or nothing if none comes within `timeout` or Interrupt was called. Malformed
-  // messages are logged and skipped.
+  // Returns the next message, or nothing if none comes within `timeout` or Interrupt was called.
+  // Malformed messages are logged and skipped.
   virtual absl::StatusOr<std::optional<Message>> Receive(absl::Duration timeout) = 0;
 
   // Makes the present or next Receive return at once. From any thread.

@@ -43,8 +43,9 @@ class Expression {
   static absl::StatusOr<Expression> Parse(std::string_view text,
                                           const std::vector<std::string>& parameters);
 
-  // The value at `q` (one entry a parameter, in the order given to Parse). INVALID_ARGUMENT naming
-  // the expression where it divides by zero, leaves the domain of a function or is not finite.
+  // Returns the value at `q` (one entry a parameter, in the order given to Parse). INVALID_ARGUMENT
+  // naming the expression where it divides by zero, leaves the domain of a function or is not
+  // finite.
   absl::StatusOr<double> Value(const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
   // As Value, with the gradient. Also fails where the gradient is not finite, as of sqrt at 0.

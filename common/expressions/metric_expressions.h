@@ -65,7 +65,7 @@ class MetricExpressions {
                     const std::vector<NamedUnit>& parameters, const std::vector<NamedUnit>& metrics,
                     const std::string& field, std::vector<FieldViolation>& findings);
 
-  // The earlier ones, then the others, in the order in which they were given.
+  // Returns the earlier ones, then the others, in the order in which they were given.
   const std::vector<MetricDefinition>& metrics() const { return definitions_; }
 
   // Index into metrics(); -1 if it is none of these.
@@ -79,8 +79,8 @@ class MetricExpressions {
   // `names` may be those of metrics that are computed otherwise.
   Needs NeedsOf(std::span<const std::string> names) const;
 
-  // The value of the metric of this index, with its gradient where those of `known` have one.
-  // `known`: the metrics and calls of `needs`, in their order. INVALID_ARGUMENT naming the
+  // Returns the value of the metric of this index, with its gradient where those of `known` have
+  // one. `known`: the metrics and calls of `needs`, in their order. INVALID_ARGUMENT naming the
   // expression that has no finite value; where one of `known` failed that it needs, that failure
   // with the expression's name.
   absl::StatusOr<Dual> At(int index, const Eigen::VectorXd& q, bool with_gradient,
@@ -94,8 +94,8 @@ class MetricExpressions {
   };
   // Whether there is a point of this name.
   bool HasPoint(const std::string& name) const;
-  // The point of this name at `q`; nothing if there is none. INVALID_ARGUMENT naming a coordinate
-  // that cannot be computed.
+  // Returns the point of this name at `q`; nothing if there is none. INVALID_ARGUMENT naming a
+  // coordinate that cannot be computed.
   absl::StatusOr<std::optional<PlacedPoint>> PointAt(const std::string& name,
                                                      const Eigen::VectorXd& q) const;
 

@@ -24,10 +24,10 @@ struct MetricFunction {
   std::string description = {};
 };
 
-// All of them, in the order of the manual.
+// Returns all of them, in the order of the manual.
 const std::vector<MetricFunction>& MetricFunctions();
 
-// The function of this name; nullptr if there is none.
+// Returns the function of this name; nullptr if there is none.
 const MetricFunction* FindMetricFunction(std::string_view name);
 
 // A function of places: area('rim').

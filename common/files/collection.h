@@ -45,7 +45,7 @@ struct Collection {
 // Parses one file's text. INVALID_ARGUMENT naming `origin` with every line and column at fault;
 // RESOURCE_EXHAUSTED past 4 MiB.
 absl::StatusOr<v1::Template> ParseTemplateText(std::string_view text, const std::string& origin);
-// The text of a CadTemplate or CageTemplate, as a template of that kind.
+// Returns the text of a CadTemplate or CageTemplate, as a template of that kind.
 absl::StatusOr<v1::Template> ParseCadTemplateText(std::string_view text, const std::string& origin);
 absl::StatusOr<v1::Template> ParseCageTemplateMessage(std::string_view text,
                                                       const std::string& origin);
@@ -58,16 +58,16 @@ absl::StatusOr<v1::Assembly> ParseAssemblyText(std::string_view text, const std:
 // numbers that do not go up.
 absl::StatusOr<Collection> ReadCollection(const std::filesystem::path& folder);
 
-// The digest of all that a collection brings, 64 hexadecimal digits: whatever its files are called
-// and however they are written.
+// Returns the digest of all that a collection brings, 64 hexadecimal digits: whatever its files are
+// called and however they are written.
 std::string ContentDigest(const Collection& collection);
 
-// The template of `collection` with this name and what it uses, as structs. NOT_FOUND;
+// Returns the template of `collection` with this name and what it uses, as structs. NOT_FOUND;
 // INVALID_ARGUMENT naming the field where a message cannot be converted.
 absl::StatusOr<TemplateBundle> BundleOf(const Collection& collection, const std::string& name);
 
-// The definition with those of `items` and `materials` that it names, each once, in order of name.
-// What is missing is left out; ValidateTemplate reports it.
+// Returns the definition with those of `items` and `materials` that it names, each once, in order
+// of name. What is missing is left out; ValidateTemplate reports it.
 TemplateBundle MakeBundle(TemplateDefinition definition, const std::vector<Item>& items,
                           const std::vector<Material>& materials);
 

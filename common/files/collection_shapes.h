@@ -21,7 +21,7 @@ class CollectionShapes {
   // file, or it is damaged.
   absl::Status Resolve(const std::filesystem::path& file, std::string& shape);
 
-  // Those that were read, in the order of their names.
+  // Returns those that were read, in the order of their names.
   std::vector<v1::Shape> Take();
 
  private:

@@ -13,8 +13,8 @@
 
 namespace mortise::parametric {
 
-// The kind of heat that a message has, a flux that is missing where it has none. What it has
-// besides is reported.
+// Returns the kind of heat that a message has, a flux that is missing where it has none. What it
+// has besides is reported.
 ConditionDefinition ReadHeat(const v1::HeatOnFaces& message, const std::string& field,
                              std::vector<FieldViolation>& findings);
 void WriteHeat(const ConditionDefinition& condition, v1::HeatOnFaces& message);
@@ -24,7 +24,8 @@ std::vector<std::string> ReadCoordinates(const v1::SpacePoint& point);
 void WriteCoordinates(const ConditionDefinition& condition, std::size_t first,
                       v1::SpacePoint& point);
 
-// Nothing where the message is none of these kinds. What is wrong is reported below `field`.
+// Return nothing where the message is none of these kinds. What is wrong is reported below
+// `field`.
 template <typename Message>
 std::optional<ConditionDefinition> ReadCondition(const Message& message, const std::string& field,
                                                  std::vector<FieldViolation>& findings) {

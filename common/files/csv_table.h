@@ -37,12 +37,12 @@ struct CsvTable {
 // feed, a NUL, bytes that are not UTF-8, and rows whose number of cells is not that of the first.
 CsvTable ParseCsv(std::string_view text);
 
-// What separates cells of `text`, by its first line, if it is no comma: "semicolons". Empty for
-// commas.
+// Returns what separates cells of `text`, by its first line, if it is no comma: "semicolons". Empty
+// for commas.
 std::string OtherSeparator(std::string_view text);
 
-// A cell as a finite number with a decimal point, "12.5" or "1.25e1". With `thousandths`, the
-// number nearest to a thousandth of it: "6.8" is 0.0068. INVALID_ARGUMENT otherwise, without a
+// Returns a cell as a finite number with a decimal point, "12.5" or "1.25e1". With `thousandths`,
+// the number nearest to a thousandth of it: "6.8" is 0.0068. INVALID_ARGUMENT otherwise, without a
 // field.
 absl::StatusOr<double> ParseCsvNumber(const std::string& text, bool thousandths = false);
 

@@ -38,7 +38,8 @@ struct DesignFile {
   std::set<std::string> unread_names;
 };
 
-// Where `field` of a message is: its own place, that of what it is part of, or that of the message.
+// Returns where `field` of a message is: its own place, that of what it is part of, or that of the
+// message.
 std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
                     const std::string& field);
 
@@ -48,12 +49,12 @@ std::string PlaceOf(const std::string& place, const std::map<std::string, std::s
 // that no row follows.
 DesignFile ParseDesignCsv(std::string_view text);
 
-// A TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items. Of a
-// template of which something cannot be read, only the name counts.
+// Returns a TemplateBundle as JSON (proto3 JSON, either form of field names), or a list of items.
+// Of a template of which something cannot be read, only the name counts.
 DesignFile ParseDesignJson(std::string_view text);
 
-// The file at `path`, by its extension in any case: .csv, .json, or protobuf text. A file that
-// cannot be read at all, or has more than 4 MiB, is a finding.
+// Returns the file at `path`, by its extension in any case: .csv, .json, or protobuf text. A file
+// that cannot be read at all, or has more than 4 MiB, is a finding.
 DesignFile ReadDesignFile(const std::filesystem::path& path);
 
 }  // namespace mortise::parametric

@@ -7,11 +7,11 @@
 
 namespace mortise::parametric {
 
-// INVALID_ARGUMENT naming "mesh.element_size" or "mesh.relative_error".
+// Fails with INVALID_ARGUMENT naming "mesh.element_size" or "mesh.relative_error".
 absl::Status CheckMeshSettings(const v1::MeshSettings& settings);
 
-// The air with defaults for what the settings leave out. INVALID_ARGUMENT naming "airflow.wind" and
-// the like, as CheckAirflow.
+// Returns the air with defaults for what the settings leave out. INVALID_ARGUMENT naming
+// "airflow.wind" and the like, as CheckAirflow.
 absl::StatusOr<Airflow> ReadAirflow(const v1::AirflowSettings& settings);
 
 }  // namespace mortise::parametric

@@ -19,22 +19,22 @@ using UnreadFields = std::set<std::string>;
 
 inline constexpr double kUnreadNumber = std::numeric_limits<double>::quiet_NaN();
 
-// Everything wrong with a material but what is `unread`.
+// Returns everything wrong with a material but what is `unread`.
 std::vector<FieldViolation> ValidateMaterialMessage(const v1::Material& material,
                                                     const UnreadFields& unread = {});
 
-// Everything wrong with an item but what is `unread`, and but its shape. `materials` are those that
-// there are.
+// Returns everything wrong with an item but what is `unread`, and but its shape. `materials` are
+// those that there are.
 std::vector<FieldViolation> ValidateItemMessage(const v1::Item& item,
                                                 const std::vector<Material>& materials,
                                                 const UnreadFields& unread = {});
 
-// What is wrong with the shape of an item, of which there is no other: a size that the item fixes
-// to another. Not along an axis of which something is unread.
+// Returns what is wrong with the shape of an item, of which there is no other: a size that the item
+// fixes to another. Not along an axis of which something is unread.
 std::vector<FieldViolation> CheckShapeOfItem(const v1::Item& item, const v1::Shape& shape,
                                              const UnreadFields& unread = {});
 
-// That no shape has the name that the item gives.
+// Says that no shape has the name that the item gives.
 FieldViolation MissingShape(const v1::Item& item);
 
 }  // namespace mortise::parametric

@@ -10,11 +10,11 @@ namespace mortise::parametric {
 
 MetricDefinitions FromProto(const v1::MetricDefinitions& message);
 
-// Those of a template, which CAD templates and cages have among what they are made of.
+// Return those of a template, which CAD templates and cages have among what they are made of.
 const v1::MetricDefinitions& MetricDefinitionsOf(const v1::Template& message);
 
-// What is wrong with the definitions of a template or request, as MetricExpressions finds it, with
-// places below "metric_definitions".
+// Returns what is wrong with the definitions of a template or request, as MetricExpressions finds
+// it, with places below "metric_definitions".
 std::vector<FieldViolation> ValidateMetricDefinitions(const v1::MetricDefinitions& message,
                                                       const std::vector<NamedUnit>& parameters,
                                                       const std::vector<NamedUnit>& metrics);

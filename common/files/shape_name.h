@@ -9,7 +9,7 @@ class Shape;
 
 namespace mortise::parametric {
 
-// What a shape is called by its content: shapes/{digest}. Its own name does not count.
+// Returns what a shape is called by its content: shapes/{digest}. Its own name does not count.
 std::string NameOf(v1::Shape message);
 
 }  // namespace mortise::parametric

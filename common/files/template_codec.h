@@ -19,10 +19,10 @@ namespace mortise::parametric {
 
 absl::StatusOr<Material> FromProto(const v1::Material& message);
 absl::StatusOr<Item> FromProto(const v1::Item& message);
-// What can be read of an item, and findings about the rest, which is as a new one's.
+// Returns what can be read of an item, and findings about the rest, which is as a new one's.
 Item ReadItem(const v1::Item& message, std::vector<FieldViolation>& findings);
 Parameter FromProto(const v1::Parameter& message);
-// A condition of any kind; `field` is the path of the message.
+// Returns a condition of any kind; `field` is the path of the message.
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
                                             const std::string& field);
 // Only templates of parts; for any kind see common/templates/template_codec.h.
@@ -40,12 +40,12 @@ v1::TemplateBundle ToProto(const TemplateBundle& bundle);
 v1::Structure ToProto(const Structure& structure);
 v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
 
-// SHA-256 of a template's content: of everything but name, revision, digest, external ids, labels,
-// creator and time.
+// Returns the SHA-256 of a template's content: of everything but name, revision, digest, external
+// ids, labels, creator and time.
 std::string TemplateDigest(const v1::Template& message);
 
-// SHA-256 of all that a bundle's F(q) depends on: the template's content and that of the items and
-// materials, each without revision, external ids, labels, creator and times.
+// Returns the SHA-256 of all that a bundle's F(q) depends on: the template's content and that of
+// the items and materials, each without revision, external ids, labels, creator and times.
 std::string BundleDigest(const v1::TemplateBundle& message);
 
 }  // namespace mortise::parametric

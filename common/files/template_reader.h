@@ -10,13 +10,14 @@
 
 namespace mortise::parametric {
 
-// What can be read of a template of parts, and findings about the rest: axes and kinds that are
-// missing or unknown, parts without a body. Something of the same type stands for each of these.
+// Returns what can be read of a template of parts, and findings about the rest: axes and kinds that
+// are missing or unknown, parts without a body. Something of the same type stands for each of
+// these.
 TemplateDefinition ReadTemplate(const v1::Template& message, std::vector<FieldViolation>& findings);
 
-// Everything wrong with a template of parts: what cannot be read, and what makes no sense of the
-// rest, as ValidateTemplate says, but what only follows from something that cannot be read. `items`
-// and `materials` are those that there are.
+// Returns everything wrong with a template of parts: what cannot be read, and what makes no sense
+// of the rest, as ValidateTemplate says, but what only follows from something that cannot be read.
+// `items` and `materials` are those that there are.
 std::vector<FieldViolation> ValidateTemplateMessage(const v1::Template& message,
                                                     const std::vector<Item>& items,
                                                     const std::vector<Material>& materials);

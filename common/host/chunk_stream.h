@@ -54,10 +54,11 @@ class ChunkAssembler {
   ChunkAssembler(store::BlobFolder* blobs, int64_t limit);
   ~ChunkAssembler();
 
-  // INVALID_ARGUMENT naming the field: a gap, a chunk over 1 MiB, or more than total_size.
+  // Fails with INVALID_ARGUMENT naming the field: a gap, a chunk over 1 MiB, or more than
+  // total_size.
   absl::Status Append(const v1::Chunk& chunk);
 
-  // The digest of the whole, when all of it has come; the blob is not in its place yet.
+  // Returns the digest of the whole, when all of it has come; the blob is not in its place yet.
   // INVALID_ARGUMENT if bytes are missing or differ from `sha256`: nothing is kept then.
   absl::StatusOr<std::string> Digest() const;
 

@@ -25,14 +25,14 @@ namespace mortise::rpc {
 
 class Dispatcher;
 
-// Where a follower begins in the streams that it names a position of; `after_number` holds for the
-// others. INVALID_ARGUMENT naming the field: numbers below -1, more than 64 positions, a stream
-// that is named twice or not followed.
+// Returns where a follower begins in the streams that it names a position of; `after_number` holds
+// for the others. INVALID_ARGUMENT naming the field: numbers below -1, more than 64 positions, a
+// stream that is named twice or not followed.
 absl::StatusOr<std::map<std::string, int64_t>> FollowPositions(
     const v1::FollowEventsRequest& asked);
 
-// INVALID_ARGUMENT naming `type_prefixes`: more than 100, or one of more than 256 bytes. Each is
-// compared with every event, and kept for as long as somebody follows.
+// Fails with INVALID_ARGUMENT naming `type_prefixes`: more than 100, or one of more than 256 bytes.
+// Each is compared with every event, and kept for as long as somebody follows.
 absl::Status CheckTypePrefixes(const google::protobuf::RepeatedPtrField<std::string>& prefixes);
 
 // Tells followers that there are new numbered events. Thread safe.

@@ -20,12 +20,12 @@ namespace mortise::rpc {
 
 class Call;
 
-// The operation that a call starts: `bytes` are its request, as its handler reads it.
+// Returns the operation that a call starts: `bytes` are its request, as its handler reads it.
 operations::NewOperation OperationOf(const Call& call, const std::string& kind,
                                      const std::string& subject, std::string bytes);
 
-// The external ids and labels that a request gives the resource it makes. They are as they came:
-// resources::CheckTags says what is wrong with them.
+// Returns the external ids and labels that a request gives the resource it makes. They are as they
+// came: resources::CheckTags says what is wrong with them.
 template <typename Request>
 operations::OperationTags TagsOf(const Request& request) {
   return {.external_ids = {request.external_ids().begin(), request.external_ids().end()},
@@ -60,14 +60,14 @@ void SetTagsAndCreator(const operations::Operation& operation, Resource* resourc
   resource->set_creator(operation.creator);
 }
 
-// What an operation's handler returns: `result`, packed with its type.
+// Returns what an operation's handler returns: `result`, packed with its type.
 std::string PackResult(const google::protobuf::Message& result);
 
-// The operation as clients see it. A result that was not made by PackResult is left out.
+// Returns the operation as clients see it. A result that was not made by PackResult is left out.
 v1::Operation ToProto(const operations::Operation& operation);
 
-// The states of common/operations that `states` names; INVALID_ARGUMENT naming the entry that is
-// none.
+// Returns the states of common/operations that `states` names; INVALID_ARGUMENT naming the entry
+// that is none.
 absl::StatusOr<std::vector<operations::OperationState>> StatesFrom(
     const google::protobuf::RepeatedField<int>& states);
 

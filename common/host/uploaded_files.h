@@ -91,8 +91,8 @@ class UploadedFileReader final : public UploadReader<v1::Chunk, Response> {
   IncomingFile file_;
 };
 
-// The bytes of a file that was uploaded. INVALID_ARGUMENT naming the kind's field for one that was
-// not.
+// Returns the bytes of a file that was uploaded. INVALID_ARGUMENT naming the kind's field for one
+// that was not.
 absl::StatusOr<std::string> GetUploaded(store::Store& store, store::BlobFolder* blobs,
                                         const UploadedKind& kind, const std::string& sha256);
 

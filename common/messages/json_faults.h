@@ -16,10 +16,11 @@ class Descriptor;
 
 namespace mortise {
 
-// The faults of `json`, proto3 JSON with either form of field names, as a message of `type`, of
-// which protobuf's reader said `read`; none if it can be taken as it was read. Fields are named as
-// the message has them ("parameters[1].value", limits["width"]), those that there are not as the
-// text does; what is wrong with the text as a whole has an empty field. Of very many, the first 40.
+// Returns the faults of `json`, proto3 JSON with either form of field names, as a message of
+// `type`, of which protobuf's reader said `read`; none if it can be taken as it was read. Fields
+// are named as the message has them ("parameters[1].value", limits["width"]), those that there are
+// not as the text does; what is wrong with the text as a whole has an empty field. Of very many,
+// the first 40.
 //
 // NaN and the infinities are no numbers of JSON, but texts; where they stand as bare words, the
 // field is named with how to write them, and nothing behind it is looked at.

@@ -9,7 +9,7 @@
 
 namespace mortise::parametric {
 
-// SHA-256 of the message, in lower-case hexadecimals.
+// Returns the SHA-256 of the message, in lower-case hexadecimals.
 std::string MessageDigest(const google::protobuf::Message& message);
 
 // Takes away what is no content of items and materials: which revision this is, since when, who

@@ -18,9 +18,9 @@ struct TextFault {
   std::string message;
 };
 
-// The faults of `text` as a message of `type`: fields that there are not or that are there twice,
-// values that they do not take, and where the text cannot be understood any further. In their
-// order; of very many, the first 40. Takes time in proportion to the text's length.
+// Returns the faults of `text` as a message of `type`: fields that there are not or that are there
+// twice, values that they do not take, and where the text cannot be understood any further. In
+// their order; of very many, the first 40. Takes time in proportion to the text's length.
 std::vector<TextFault> TextFaults(std::string_view text, const google::protobuf::Descriptor& type);
 
 }  // namespace mortise

@@ -20,15 +20,16 @@ class OperationRecords {
 
   std::string NameOf(std::string_view id) const;
 
-  // The last part of "operations/<service>/<id>"; INVALID_ARGUMENT for another form or service.
+  // Returns the last part of "operations/<service>/<id>"; INVALID_ARGUMENT for another form or
+  // service.
   absl::StatusOr<std::string> IdOf(std::string_view name) const;
 
   absl::StatusOr<Operation> Create(store::Transaction& transaction, const NewOperation& operation);
 
-  // The operation without request and result; NOT_FOUND naming it.
+  // Returns the operation without request and result; NOT_FOUND naming it.
   absl::StatusOr<Operation> LoadState(store::ReadTransaction& transaction, std::string_view id);
 
-  // The whole operation.
+  // Returns the whole operation.
   absl::StatusOr<Operation> Load(store::ReadTransaction& transaction, std::string_view id);
 
   // Newest first.

@@ -52,10 +52,10 @@ class OperationRun final : public OperationContext {
   bool interrupted() const { return interrupted_; }
   bool lost() const { return lost_; }
 
-  // The progress reported since the last call, if any.
+  // Returns the progress reported since the last call, if any.
   std::optional<Progress> TakeProgress();
 
-  // The last progress reported, taken or not.
+  // Returns the last progress reported, taken or not.
   std::optional<Progress> last_progress();
 
   std::string kept_result();

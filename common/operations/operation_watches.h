@@ -22,7 +22,7 @@ class OperationWatches {
   // Delivers `operation` to its watches that have not seen its revision yet.
   void Notify(const Operation& operation);
 
-  // The names of the operations that somebody watches and whose end he has not seen.
+  // Returns the names of the operations that somebody watches and whose end he has not seen.
   std::set<std::string> Names();
 
  private:

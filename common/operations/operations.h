@@ -101,7 +101,7 @@ class OperationContext {
   virtual const std::string& name() const = 0;
   virtual const std::string& request() const = 0;
 
-  // The operation as it was when this run began: who asked for it, with which tags.
+  // Returns the operation as it was when this run began: who asked for it, with which tags.
   virtual const Operation& operation() const = 0;
 
   // Whether to stop: somebody cancelled it, the process shuts down, or another replica has taken
@@ -123,7 +123,7 @@ class OperationContext {
   // has taken the operation over.
   virtual absl::Status SaveCheckpoint(std::string_view bytes) = 0;
 
-  // The last checkpoint saved, by this run or an earlier one; empty if none.
+  // Returns the last checkpoint saved, by this run or an earlier one; empty if none.
   virtual const std::string& checkpoint() const = 0;
 
   // A transaction that commits only while this run still owns the operation (ABORTED,

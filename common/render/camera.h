@@ -25,12 +25,12 @@ inline const Eigen::Vector3d kViewFront{0, -1, 0};
 inline const Eigen::Vector3d kViewRight{1, 0, 0};
 inline const Eigen::Vector3d kViewTop{0, -1e-6, 1};
 
-// A camera that sees `box` whole from `direction` (box centre to eye) in a picture of
+// Returns a camera that sees `box` whole from `direction` (box centre to eye) in a picture of
 // `aspect` = width / height, leaving `margin` (a fraction of the picture) free all round.
 Camera FitCamera(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& direction, double aspect,
                  bool orthographic = true, double margin = 0.06);
 
-// The box around everything drawn in the scene.
+// Returns the box around everything drawn in the scene.
 Eigen::AlignedBox3d BoundingBox(const Scene& scene);
 
 }  // namespace mortise::render

@@ -19,7 +19,7 @@ struct Frame {
     return {left + x * width, top + (1 - y) * height};
   }
   Eigen::Vector2d Middle() const { return At(0.5, 0.5); }
-  // What is left of it inside of margins.
+  // Returns what is left of it inside of margins.
   Frame Within(double on_left, double on_right, double above, double below) const {
     return {left + on_left, top + above, width - on_left - on_right, height - above - below};
   }
@@ -31,13 +31,13 @@ struct AxisSpan {
   double most = 1;   // > least
   bool logarithmic = false;
 
-  // Where a value lies between least, 0, and most, 1. On a logarithmic axis values must be
+  // Returns where a value lies between least, 0, and most, 1. On a logarithmic axis values must be
   // positive.
   double Share(double value) const;
 };
 
-// The span of the finite values, on a logarithmic axis of the positive ones; a little more than
-// nothing where all are the same, and 0 to 1 where there are none.
+// Returns the span of the finite values, on a logarithmic axis of the positive ones; a little more
+// than nothing where all are the same, and 0 to 1 where there are none.
 AxisSpan SpanOf(const std::vector<double>& values, bool logarithmic = false);
 
 // Two axes with numbers, a grid and their names.
@@ -49,7 +49,7 @@ class Axes {
 
   void Draw(Drawing& drawing, const std::string& x_name, const std::string& y_name) const;
 
-  // The place of a point.
+  // Returns the place of a point.
   Eigen::Vector2d At(double x, double y) const;
 
  private:
@@ -79,8 +79,8 @@ struct ChartLayout {
   int panel_width = 330, panel_height = 270;  // pixels
 };
 
-// The panels in rows, and the legend below. A point that its panel's logarithmic axis cannot show
-// is left out, and breaks the line.
+// Returns the panels in rows, and the legend below. A point that its panel's logarithmic axis
+// cannot show is left out, and breaks the line.
 Drawing DrawChart(const std::vector<ChartPanel>& panels, const ChartLayout& layout = {});
 
 }  // namespace mortise::render

@@ -63,12 +63,12 @@ class Drawing {
   std::vector<Text> texts_;
 };
 
-// A standalone SVG document on white. INVALID_ARGUMENT naming "drawing.width" or "drawing.height"
-// if a size is not within 16 to 10000, or "drawing" if a coordinate is not finite.
+// Returns a standalone SVG document on white. INVALID_ARGUMENT naming "drawing.width" or
+// "drawing.height" if a size is not within 16 to 10000, or "drawing" if a coordinate is not finite.
 absl::StatusOr<std::string> DrawingSvg(const Drawing& drawing);
 
-// The picture with `scale` pixels for each of the drawing's, at most 4. INVALID_ARGUMENT as above,
-// or naming "scale".
+// Returns the picture with `scale` pixels for each of the drawing's, at most 4. INVALID_ARGUMENT as
+// above, or naming "scale".
 absl::StatusOr<Image> DrawingImage(const Drawing& drawing, int scale = 2);
 
 // `text`, or its beginning and "..", so that it is no wider than `width` pixels at a font size.

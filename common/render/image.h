@@ -18,14 +18,15 @@ struct Color {
   friend bool operator==(const Color&, const Color&) = default;
 };
 
-// A mixture: `amount` 0 is `a`, 1 is `b`.
+// Returns a mixture: `amount` 0 is `a`, 1 is `b`.
 Color Mix(const Color& a, const Color& b, double amount);
 
-// The i-th of twelve well-distinguishable soft colours, repeating: one for each part of a design.
+// Returns the i-th of twelve well-distinguishable soft colours, repeating: one for each part of a
+// design.
 Color PartColor(int index);
 
-// The perceptually even map of scalars to colours used for fields, dark blue (0) over teal and
-// green to yellow (1). Values outside [0, 1] are clamped; NaN is grey.
+// Returns the perceptually even map of scalars to colours used for fields, dark blue (0) over teal
+// and green to yellow (1). Values outside [0, 1] are clamped; NaN is grey.
 Color FieldColor(double value);
 
 // "#rrggbb", for SVG and HTML.
@@ -44,7 +45,7 @@ struct Image {
   Color Get(int x, int y) const;
 };
 
-// The PNG file of an image. INVALID_ARGUMENT if it is empty or its sizes disagree.
+// Returns the PNG file of an image. INVALID_ARGUMENT if it is empty or its sizes disagree.
 absl::StatusOr<std::string> EncodePng(const Image& image);
 
 // Writes `text` in the built-in stroke font with its top left corner at (x, y); `height` is the
@@ -52,7 +53,7 @@ absl::StatusOr<std::string> EncodePng(const Image& image);
 void DrawText(Image& image, double x, double y, double height, const Color& color,
               const std::string& text);
 
-// The width in pixels that DrawText would use.
+// Returns the width in pixels that DrawText would use.
 double TextWidth(double height, const std::string& text);
 
 // Puts pictures of any sizes side by side in rows of `columns`, each over its caption (which may be

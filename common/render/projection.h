@@ -49,7 +49,7 @@ class Projection {
   Projected operator()(const Eigen::Vector3d& point) const;
   const ViewBasis& basis() const { return basis_; }
 
-  // The direction from a point towards the eye.
+  // Returns the direction from a point towards the eye.
   Eigen::Vector3d TowardsEye(const Eigen::Vector3d& point) const;
 
  private:

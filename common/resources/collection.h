@@ -35,7 +35,7 @@ absl::StatusOr<Result> ReadFrom(store::Store& store, const Function& read) {
   return result;
 }
 
-// A page as the response of a List method whose entries are `entries`.
+// Returns a page as the response of a List method whose entries are `entries`.
 template <typename Response, typename Message>
 Response ToResponse(Page<Message> page,
                     google::protobuf::RepeatedPtrField<Message>* (Response::*entries)()) {
@@ -60,7 +60,7 @@ struct Collection {
   const char* event;  // what their events begin with: "front" of "front.updated"; null for none
   bool newest_first = true;  // how lists are ordered: else by name
 
-  // The resource of a name. NOT_FOUND; INVALID_ARGUMENT naming `field`; STORAGE_FAILED.
+  // Returns the resource of a name. NOT_FOUND; INVALID_ARGUMENT naming `field`; STORAGE_FAILED.
   absl::StatusOr<Message> Get(store::ReadTransaction& transaction, const std::string& name,
                               const std::string& field = "name") const {
     MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, names, field));
@@ -76,8 +76,9 @@ struct Collection {
         store, [&](store::ReadTransaction& transaction) { return Get(transaction, name, field); });
   }
 
-  // The page that a List request asks for, of those that meet its `filter` and `takes`, each as
-  // `shown` makes it. INVALID_ARGUMENT naming page_size, page_token and fields of the filter.
+  // Returns the page that a List request asks for, of those that meet its `filter` and `takes`,
+  // each as `shown` makes it. INVALID_ARGUMENT naming page_size, page_token and fields of the
+  // filter.
   template <typename Request, typename Takes, typename Shown>
   absl::StatusOr<Page<Message>> List(store::Store& store, const Request& request,
                                      const Takes& takes, const Shown& shown) const {

@@ -29,7 +29,7 @@ struct RecordList {
   bool newest_first = false;    // from the greatest key down, else in the order of keys
 };
 
-// The page of the records that follow `query.after`. `entry_of(record)` gives a
+// Returns the page of the records that follow `query.after`. `entry_of(record)` gives a
 // StatusOr<std::optional<Message>>: nothing for what is not shown. Reads few records at a time, as
 // some are large.
 template <typename Message, typename EntryOf>
@@ -61,7 +61,8 @@ absl::StatusOr<Page<Message>> ReadPage(store::ReadTransaction& transaction, cons
   }
 }
 
-// The message that a record holds. INTERNAL, STORAGE_FAILED naming "kind/key" where it holds none.
+// Returns the message that a record holds. INTERNAL, STORAGE_FAILED naming "kind/key" where it
+// holds none.
 template <typename Message>
 absl::StatusOr<Message> ParseRecord(const std::string& kind, const store::Record& record) {
   Message message;
@@ -69,7 +70,7 @@ absl::StatusOr<Message> ParseRecord(const std::string& kind, const store::Record
   return StorageFailed(absl::StrCat(kind, "/", record.key), "the record cannot be read");
 }
 
-// The page of records that are shown as they are stored.
+// Returns the page of records that are shown as they are stored.
 template <typename Message>
 absl::StatusOr<Page<Message>> ReadPage(store::ReadTransaction& transaction, const RecordList& list,
                                        const PageQuery& query) {

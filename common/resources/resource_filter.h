@@ -15,7 +15,7 @@ class ResourceFilter {
   // have, and times that are none or in the wrong order.
   static absl::StatusOr<ResourceFilter> Create(const v1::ResourceFilter& filter);
 
-  // The filter of a List method's request.
+  // Returns the filter of a List method's request.
   template <typename Request>
   static absl::StatusOr<ResourceFilter> Of(const Request& request) {
     return Create(request.filter());

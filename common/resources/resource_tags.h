@@ -27,7 +27,7 @@ inline constexpr int kMaxLabels = 64;
 inline constexpr int kMaxLabelKeyBytes = 63;
 inline constexpr int kMaxLabelValueBytes = 200;
 
-// What is wrong with them: fields "external_ids", "external_ids[2]" and "labels".
+// Returns what is wrong with them: fields "external_ids", "external_ids[2]" and "labels".
 std::vector<FieldViolation> CheckTags(const ExternalIds& external_ids, const Labels& labels);
 
 template <typename Message>
@@ -59,7 +59,7 @@ void CopyTags(const From& from, To* to) {
   *to->mutable_labels() = from.labels();
 }
 
-// INVALID_ARGUMENT, "update_mask", for each path but "external_ids" and "labels".
+// Fails with INVALID_ARGUMENT, "update_mask", for each path but "external_ids" and "labels".
 absl::Status CheckTagMask(const google::protobuf::FieldMask& mask);
 
 // Gives `present` those tags of `changes` that a checked mask names; both where it names none.

@@ -17,7 +17,7 @@ class Call {
  public:
   explicit Call(std::shared_ptr<CallState> state) : state_(std::move(state)) {}
 
-  // Who calls: subject, role, request id (the trace id).
+  // Returns who calls: subject, role, request id (the trace id).
   const Identity& identity() const;
 
   // "mortise.v1.CatalogService/GetItem".
@@ -34,7 +34,7 @@ class Call {
   // past. Never after the call is answered.
   void OnStop(std::function<void()> callback) const;
 
-  // The identity as it came, for forwarding; empty in development.
+  // Returns the identity as it came, for forwarding; empty in development.
   const std::string& signed_identity() const;
 
  private:

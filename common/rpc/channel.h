@@ -24,7 +24,7 @@ class Status;
 
 namespace mortise::rpc {
 
-// A channel that connects, and reconnects, by itself. Fails as MakeClientCredentials does.
+// Returns a channel that connects, and reconnects, by itself. Fails as MakeClientCredentials does.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ChannelSecurity& security);
 
@@ -36,15 +36,15 @@ struct Origin {
   absl::Time deadline = absl::InfiniteFuture();
 };
 
-// The caller of `call` goes on calling: same identity, trace and deadline.
+// Returns a call that the caller of `call` makes: same identity, trace and deadline.
 Origin ForwardedFrom(const Call& call);
 
-// The service itself calls, in the background: a fresh identity ("services/<name>") for each try.
-// `signer` may be null (development) and must outlive the origin.
+// Returns the service itself calls, in the background: a fresh identity ("services/<name>") for
+// each try. `signer` may be null (development) and must outlive the origin.
 Origin OwnOrigin(const IdentitySigner* signer, Role role, std::string trace_id,
                  absl::Duration timeout);
 
-// A context for one call.
+// Returns a context for one call.
 std::unique_ptr<grpc::ClientContext> MakeClientContext(const Origin& origin);
 
 // How a failed unary call is repeated: only if UNAVAILABLE, after a random back-off that doubles
@@ -63,7 +63,8 @@ bool Pause(absl::Duration duration, const std::stop_token& stop);
 absl::Status CallWithRetry(const Origin& origin, const RetryOptions& options,
                            const std::function<grpc::Status(grpc::ClientContext*)>& attempt);
 
-// A blocking unary call of an idempotent method (all are: reads by nature, changes by request_id):
+// Returns a blocking unary call of an idempotent method (all are: reads by nature, changes by
+// request_id):
 //   CallUnary(stub, &v1::CatalogService::Stub::GetItem, request, ForwardedFrom(call))
 template <class Stub, class Request, class Response>
 absl::StatusOr<Response> CallUnary(
@@ -84,7 +85,8 @@ class Peers {
   Peers(std::map<std::string, std::string> addresses, ChannelSecurity security);
   ~Peers();
 
-  // One channel for each peer, shared. FAILED_PRECONDITION, PEER_UNKNOWN if no --peer named it.
+  // Returns one channel for each peer, shared. FAILED_PRECONDITION, PEER_UNKNOWN if no --peer named
+  // it.
   absl::StatusOr<std::shared_ptr<grpc::Channel>> Channel(const std::string& name);
 
  private:

@@ -27,13 +27,14 @@ struct ChannelSecurity {
 // Whether `address` stays on this machine: 127.0.0.0/8, [::1], localhost, unix:PATH.
 bool IsLocalAddress(std::string_view address);
 
-// The credentials of a server listening on `address`; certificates are read again when their files
-// change. INVALID_ARGUMENT naming the flag if plain text would leave the machine or a key has no
-// certificate; NOT_FOUND for a missing file.
+// Returns the credentials of a server listening on `address`; certificates are read again when
+// their files change. INVALID_ARGUMENT naming the flag if plain text would leave the machine or a
+// key has no certificate; NOT_FOUND for a missing file.
 absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeServerCredentials(
     const std::string& address, const ChannelSecurity& security);
 
-// The credentials of a client of `address`: TLS if `authority` is given, else plain and local.
+// Returns the credentials of a client of `address`: TLS if `authority` is given, else plain and
+// local.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeClientCredentials(
     const std::string& address, const ChannelSecurity& security);
 

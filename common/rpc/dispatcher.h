@@ -69,7 +69,7 @@ class Dispatcher {
   // Waits until no call is in flight; false if that took until `deadline`.
   virtual bool WaitForCalls(absl::Time deadline) = 0;
 
-  // How many calls are in flight.
+  // Returns how many calls are in flight.
   virtual int calls() const = 0;
 
   // For the wrappers of handler.h: a call begins and ends. Begin fails if there are too

@@ -50,10 +50,9 @@ class Endpoint {
   // `service` is the proto's full name. `dispatcher` must outlive it.
   Endpoint(Dispatcher* dispatcher, const std::string& service);
 
-  // A call that changes nothing (or nothing that is audited, such as a lease). Of a list, the
-  // function takes and gives positions as page tokens (page_tokens.h).
-  // With `explanation`, requests with numbers that are not finite are refused for what that tells,
-  // too.
+  // Answers a call that changes nothing (or nothing that is audited, such as a lease). Of a list,
+  // the function takes and gives positions as page tokens (page_tokens.h). With `explanation`,
+  // requests with numbers that are not finite are refused for what that tells, too.
   //   function(const Call&, const Request&) -> absl::StatusOr<Response>
   template <class Request, class Response, class Function>
   grpc::ServerUnaryReactor* Query(const char* method, grpc::CallbackServerContext* context,
@@ -75,7 +74,7 @@ class Endpoint {
         Of(request, explanation));
   }
 
-  // A call that waits without holding a thread: for a task to lease, an operation to end.
+  // Answers a call that waits without holding a thread: for a task to lease, an operation to end.
   //   start(const Call&, const Request&, Responder<Response>) -> absl::Status
   // A failure returned is the answer; otherwise the responder gives it, from any thread. Let
   // Call::OnStop answer with what there is.
@@ -99,8 +98,8 @@ class Endpoint {
         });
   }
 
-  // A call that changes something, in one transaction that also holds the audit record and the
-  // answer under the request's `request_id`: the same request again gets the same answer and
+  // Answers a call that changes something, in one transaction that also holds the audit record and
+  // the answer under the request's `request_id`: the same request again gets the same answer and
   // changes nothing; another request under the same id is INVALID_ARGUMENT naming request_id.
   // The function may run again if the transaction is repeated, so it has no other effects.
   //   function(const Call&, const Request&, store::Transaction&) -> absl::StatusOr<Response>
@@ -149,8 +148,8 @@ class Endpoint {
                          std::move(steps));
   }
 
-  // A stream of answers (stream_writer.h). `start` sets it going and returns; keep `writer` for
-  // later messages. The request lives only as long as `start` runs. A failure returned ends it.
+  // Answers a stream of answers (stream_writer.h). `start` sets it going and returns; keep `writer`
+  // for later messages. The request lives only as long as `start` runs. A failure returned ends it.
   // `explanation` as for Query.
   //   start(const Call&, const Request&, std::shared_ptr<StreamWriter<Response>>) -> absl::Status
   template <class Response, class Request, class StartFunction>
@@ -172,7 +171,7 @@ class Endpoint {
         Of(request, explanation));
   }
 
-  // A stream of requests with one answer.
+  // Returns a stream of requests with one answer.
   //   open(const Call&) -> absl::StatusOr<std::unique_ptr<UploadReader<Request, Response>>>
   template <class Request, class Response, class Open>
   grpc::ServerReadReactor<Request>* Upload(const char* method, grpc::CallbackServerContext* context,
@@ -193,7 +192,8 @@ class Endpoint {
   }
 
  private:
-  // The explanation of this request, which must live as long as it is used; empty for an empty one.
+  // Returns the explanation of this request, which must live as long as it is used; empty for an
+  // empty one.
   template <class Request>
   static UnaryCall::Explanation Of(const Request* request,
                                    const Explanation<Request>& explanation) {
@@ -201,8 +201,8 @@ class Endpoint {
     return [request, explanation](const Call& call) { return explanation(call, *request); };
   }
 
-  // The method's rule. `mutation`: whether the wrapper used is one for methods that mutate; if that
-  // is not what the proto says, every call is refused.
+  // Returns the method's rule. `mutation`: whether the wrapper used is one for methods that mutate;
+  // if that is not what the proto says, every call is refused.
   const MethodInfo& Find(const std::string& method, bool mutation) const;
   std::shared_ptr<CallState> NewCall(const char* method,
                                      const grpc::CallbackServerContext& context) const;

@@ -28,7 +28,7 @@ enum class Role { kNone = 0, kViewer = 1, kDesigner = 2, kOperator = 3, kAdmin =
 // "none", "viewer", "designer", "operator", "admin".
 const char* RoleName(Role role);
 
-// The role of that name; INVALID_ARGUMENT naming `field` otherwise.
+// Returns the role of that name; INVALID_ARGUMENT naming `field` otherwise.
 absl::StatusOr<Role> ParseRole(std::string_view name, std::string_view field);
 
 struct Identity {
@@ -64,7 +64,7 @@ class IdentitySigner {
                                                               Clock clock = absl::Now);
   virtual ~IdentitySigner() = default;
 
-  // A serialised SignedIdentity, valid from now for `lifetime` (at most kIdentityLifetime).
+  // Returns a serialised SignedIdentity, valid from now for `lifetime` (at most kIdentityLifetime).
   virtual std::string Sign(std::string_view subject, Role role, std::string_view trace_id,
                            absl::Duration lifetime = kIdentityLifetime) const = 0;
 
@@ -88,7 +88,7 @@ class IdentityVerifier {
   static absl::StatusOr<std::unique_ptr<IdentityVerifier>> Load(const VerifierOptions& options);
   virtual ~IdentityVerifier() = default;
 
-  // The identity in a serialised SignedIdentity. UNAUTHENTICATED, IDENTITY_INVALID if it is
+  // Returns the identity in a serialised SignedIdentity. UNAUTHENTICATED, IDENTITY_INVALID if it is
   // malformed, forged, expired, from the future, lives too long, its issuer is unknown or may not
   // vouch for its subject. The folder is read again when an unknown issuer appears (at most once a
   // second).

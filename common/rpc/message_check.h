@@ -9,9 +9,9 @@ class Message;
 
 namespace mortise::rpc {
 
-// INVALID_ARGUMENT with the paths of the fields, in the order of field numbers and the first 40 or
-// so, that hold NaN, an infinity, or a number that their enum does not have. Any fields are not
-// looked into.
+// Fails with INVALID_ARGUMENT with the paths of the fields, in the order of field numbers and the
+// first 40 or so, that hold NaN, an infinity, or a number that their enum does not have. Any fields
+// are not looked into.
 absl::Status CheckMessage(const google::protobuf::Message& message);
 
 }  // namespace mortise::rpc

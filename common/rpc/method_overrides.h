@@ -32,7 +32,8 @@ struct MethodTypes {
   using Response = ResponseType;
 };
 
-// The types of a method of a generated class: of the overloads it has, the one for callbacks fits.
+// Returns the types of a method of a generated class: of the overloads it has, the one for
+// callbacks fits.
 template <class Service, class Request, class Response>
 MethodTypes<Request, Response> TypesOf(grpc::ServerUnaryReactor* (
     Service::*)(grpc::CallbackServerContext*, const Request*, Response*));

@@ -51,7 +51,7 @@ absl::Status RecordMutation(store::Transaction& transaction, std::string_view se
 // Forgets answers older than kAnswerRetention; returns how many.
 absl::StatusOr<int> ForgetOldAnswers(store::Store& store);
 
-// A page of audit records, newest first.
+// Returns a page of audit records, newest first.
 absl::StatusOr<resources::Page<v1::AuditRecord>> ListAudit(store::Store& store,
                                                            const resources::PageQuery& query);
 

@@ -19,13 +19,13 @@ class Message;
 
 namespace mortise::rpc {
 
-// The token of a position in the list that `request` asks for; empty for an empty one, which is
-// that of the last page.
+// Returns the token of a position in the list that `request` asks for; empty for an empty one,
+// which is that of the last page.
 std::string SealPageToken(const std::string& position, const google::protobuf::Message& request);
 
-// The position in a token; empty for an empty one, which asks for the first page. INVALID_ARGUMENT,
-// "page_token", for what SealPageToken did not make for a request of this type and with these
-// filters.
+// Returns the position in a token; empty for an empty one, which asks for the first page.
+// INVALID_ARGUMENT, "page_token", for what SealPageToken did not make for a request of this type
+// and with these filters.
 absl::StatusOr<std::string> OpenPageToken(const std::string& token,
                                           const google::protobuf::Message& request);
 

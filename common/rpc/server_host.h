@@ -55,7 +55,7 @@ class ServerHost {
   // are accepted; those in flight have `drain_time`; what is left is cancelled. Once; blocks.
   virtual void Shutdown() = 0;
 
-  // The addresses actually bound, host:port. Metrics: empty if there are none.
+  // Returns the addresses actually bound, host:port. Metrics: empty if there are none.
   virtual const std::string& address() const = 0;
   virtual const std::string& metrics_address() const = 0;
 };

@@ -60,7 +60,7 @@ absl::Status Receive(CallState& call, const Request& message, Reader& reader) {
   });
 }
 
-// The sending side of `reactor`.
+// Returns the sending side of `reactor`.
 template <class Response, class Reactor>
 std::shared_ptr<OutgoingStream<Response>> SendThrough(Reactor* reactor,
                                                       const std::shared_ptr<CallState>& state,

@@ -15,8 +15,8 @@ class Channel;
 
 namespace mortise::rpc {
 
-// A channel as MakeChannel's whose calls carry the token in `token_file` (at most 64 KiB, white
-// space around it is left out). The file is read for each call, so that a new token needs no
+// Returns a channel as MakeChannel's whose calls carry the token in `token_file` (at most 64 KiB,
+// white space around it is left out). The file is read for each call, so that a new token needs no
 // restart; while it has none, calls are UNAVAILABLE, naming the file.
 //
 // INVALID_ARGUMENT naming the flag if there is no `security.authority`, for tokens travel in TLS

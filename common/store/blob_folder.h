@@ -24,7 +24,7 @@ class BlobWriter {
   // INTERNAL, STORAGE_FAILED naming the path.
   virtual absl::Status Append(std::string_view bytes) = 0;
 
-  // The digest of what was appended so far, as Finish would return it.
+  // Returns the digest of what was appended so far, as Finish would return it.
   virtual std::string Digest() const = 0;
 
   // Flushes to disk, puts the blob into its place and returns its digest. Call once, last.
@@ -42,8 +42,8 @@ class BlobFolder {
 
   absl::StatusOr<std::unique_ptr<BlobWriter>> Write();
 
-  // The whole blob. INVALID_ARGUMENT for a malformed digest, NOT_FOUND, RESOURCE_EXHAUSTED past
-  // `limit` bytes, DATA_LOSS if the bytes on disk no longer have this digest.
+  // Returns the whole blob. INVALID_ARGUMENT for a malformed digest, NOT_FOUND, RESOURCE_EXHAUSTED
+  // past `limit` bytes, DATA_LOSS if the bytes on disk no longer have this digest.
   absl::StatusOr<std::string> Get(std::string_view digest,
                                   std::size_t limit = std::size_t{1} << 30);
 
@@ -51,10 +51,10 @@ class BlobFolder {
   absl::StatusOr<std::string> GetRange(std::string_view digest, uint64_t offset,
                                        std::size_t length);
 
-  // The size in bytes; NOT_FOUND.
+  // Returns the size in bytes; NOT_FOUND.
   absl::StatusOr<uint64_t> Size(std::string_view digest);
 
-  // Where the blob's file is, for libraries that read files; NOT_FOUND.
+  // Returns where the blob's file is, for libraries that read files; NOT_FOUND.
   absl::StatusOr<std::filesystem::path> PathOf(std::string_view digest);
 
   // Removes a blob; OK if there is none. The caller knows that nobody refers to it.

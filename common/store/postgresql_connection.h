@@ -23,7 +23,7 @@ class PostgresqlConnection final : public SqlConnection {
   absl::StatusOr<SqlResult> Run(const char* sql, absl::Span<const SqlValue> values) override;
   absl::Status Execute(const std::string& sql) override;
 
-  // The first failure since Begin; OK if none.
+  // Returns the first failure since Begin; OK if none.
   const absl::Status& failure() const { return failure_; }
 
   // Whether a failure since Begin was that others got in the way, or that the connection was lost
@@ -35,7 +35,8 @@ class PostgresqlConnection final : public SqlConnection {
   // statement, which saves one way there and back.
   absl::Status Begin(const char* begin);
 
-  // UNAVAILABLE, reason COMMIT_UNKNOWN if the connection is lost before the answer comes.
+  // Fails with UNAVAILABLE, reason COMMIT_UNKNOWN if the connection is lost before the answer
+  // comes.
   absl::Status Commit();
 
   void Rollback();

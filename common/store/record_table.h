@@ -33,7 +33,7 @@ class RecordTable {
   SqlConnection* connection_;
 };
 
-// The greatest name that starts with `prefix` sorts before this.
+// Returns the text before which every name that starts with `prefix` sorts.
 std::string EndOfPrefix(std::string_view prefix);
 
 }  // namespace mortise::store

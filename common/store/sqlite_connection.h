@@ -26,7 +26,7 @@ class SqliteConnection final : public SqlConnection {
   absl::StatusOr<SqlResult> Run(const char* sql, absl::Span<const SqlValue> values) override;
   absl::Status Execute(const std::string& sql) override;
 
-  // The first failure since Begin; OK if none.
+  // Returns the first failure since Begin; OK if none.
   const absl::Status& failure() const { return failure_; }
 
   // Begins a transaction: BEGIN IMMEDIATE for kWrite. UNAVAILABLE if another process stays in it.

@@ -54,10 +54,10 @@ class ReadTransaction {
  public:
   virtual ~ReadTransaction() = default;
 
-  // The current revision; NOT_FOUND naming "kind/key".
+  // Returns the current revision; NOT_FOUND naming "kind/key".
   virtual absl::StatusOr<Record> Get(std::string_view kind, std::string_view key) = 0;
 
-  // The revision asked for, if it is the current one or was kept; NOT_FOUND otherwise.
+  // Returns the revision asked for, if it is the current one or was kept; NOT_FOUND otherwise.
   virtual absl::StatusOr<Record> GetRevision(std::string_view kind, std::string_view key,
                                              int64_t revision) = 0;
 
@@ -70,10 +70,10 @@ class ReadTransaction {
   virtual absl::StatusOr<std::vector<NumberedEvent>> ReadEvents(int64_t after_number,
                                                                 int limit) = 0;
 
-  // The number of the last numbered event; 0 if none.
+  // Returns the number of the last numbered event; 0 if none.
   virtual absl::StatusOr<int64_t> LatestEventNumber() = 0;
 
-  // The present epoch of the event stream; 0 before the first relay.
+  // Returns the present epoch of the event stream; 0 before the first relay.
   virtual absl::StatusOr<int64_t> Epoch() = 0;
 
   // NOT_FOUND naming "queue/key".
@@ -153,7 +153,7 @@ class Transaction : public ReadTransaction {
   // back or is repeated.
   virtual void AfterCommit(std::function<void()> callback) = 0;
 
-  // The clock's time when the transaction began; one transaction has one time.
+  // Returns the clock's time when the transaction began; one transaction has one time.
   virtual absl::Time Now() const = 0;
 };
 
@@ -172,7 +172,7 @@ class EventNumbering {
  public:
   virtual ~EventNumbering() = default;
 
-  // The epoch that began when this right was taken.
+  // Returns the epoch that began when this right was taken.
   virtual int64_t epoch() const = 0;
 
   // Gives up to `limit` committed events the next numbers, durably, and returns them. Empty if
@@ -211,10 +211,10 @@ class Store {
   // It must be quick, and must not use the store. The store must outlive the listener.
   virtual std::unique_ptr<CommitListener> OnCommit(std::function<void()> callback) = 0;
 
-  // The blob folder; FAILED_PRECONDITION, NO_BLOB_FOLDER if the options named none.
+  // Returns the blob folder; FAILED_PRECONDITION, NO_BLOB_FOLDER if the options named none.
   virtual absl::StatusOr<BlobFolder*> Blobs() = 0;
 
-  // The clock the store was opened with.
+  // Returns the clock the store was opened with.
   virtual absl::Time Now() const = 0;
 };
 

@@ -78,7 +78,7 @@ enum class TaskState {
   kQuarantined,  // its workers vanished max_attempts times: the input may be what kills them
 };
 
-// The name of a state in lower case ("queued").
+// Returns the name of a state in lower case ("queued").
 const char* TaskStateName(TaskState state);
 
 struct NewTask {

@@ -43,7 +43,7 @@ class Admission {
  public:
   explicit Admission(AdmissionOptions options);
 
-  // The caller that an `authorization` header speaks for. UNAUTHENTICATED, IDENTITY_INVALID
+  // Returns the caller that an `authorization` header speaks for. UNAUTHENTICATED, IDENTITY_INVALID
   // without a valid token. The subject is `sub`, put under "users/" unless it names its collection
   // ("services/plm") itself; the role is the highest in `roles`.
   absl::StatusOr<std::shared_ptr<const Caller>> Authenticate(std::string_view authorization);
@@ -51,7 +51,7 @@ class Admission {
   // PERMISSION_DENIED, ROLE_REQUIRED if the method asks for more than the caller has.
   absl::Status Authorize(const MethodRoute& method, const Caller& caller) const;
 
-  // The caller's signed identity, good for every request within the next minutes; empty in
+  // Returns the caller's signed identity, good for every request within the next minutes; empty in
   // development. Signed again every minute, not for every call: a signature costs as much as the
   // rest of the way through the gateway.
   std::string SignedIdentity(const Caller& caller);

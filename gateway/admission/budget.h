@@ -51,7 +51,7 @@ class Budget {
   std::map<std::string, int64_t> taken_by_;  // guarded by mutex_; none is 0
 };
 
-// RESOURCE_EXHAUSTED, TOO_MANY_CALLS: `what` is too many at a time.
+// Returns RESOURCE_EXHAUSTED, TOO_MANY_CALLS: `what` is too many at a time.
 absl::Status TooManyAtATime(std::string_view what);
 
 }  // namespace mortise::gateway

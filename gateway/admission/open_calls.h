@@ -58,11 +58,11 @@ class OpenCalls {
     std::string service_;
   };
 
-  // A call of a subject begins; it must end before this does. RESOURCE_EXHAUSTED, TOO_MANY_CALLS or
-  // TOO_MANY_STREAMS if the subject has too many.
+  // Begins a call of a subject; it must end before this does. RESOURCE_EXHAUSTED,
+  // TOO_MANY_CALLS or TOO_MANY_STREAMS if the subject has too many.
   absl::StatusOr<std::unique_ptr<Place>> Enter(CallKind kind, const std::string& subject);
 
-  // What the HTTP door sends with a call that it has counted itself, as metadata
+  // Returns what the HTTP door sends with a call that it has counted itself, as metadata
   // `kCountedMetadata`. Nobody else knows it.
   const std::string& pass() const { return pass_; }
 

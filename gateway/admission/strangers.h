@@ -48,7 +48,7 @@ class Strangers {
   std::atomic<std::size_t> count_{0};
 };
 
-// A connected socket's peer as gRPC's server contexts name it: "ipv4:192.0.2.1:4711",
+// Returns a connected socket's peer as gRPC's server contexts name it: "ipv4:192.0.2.1:4711",
 // "ipv6:%5B2001:db8::1%5D:4711". Empty if it is not connected any more.
 std::string PeerOf(int descriptor);
 

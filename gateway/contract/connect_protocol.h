@@ -25,17 +25,17 @@ struct ConnectCodec {
   bool streaming = false;  // enveloped
 };
 
-// The codec of "application/json", "application/proto", "application/connect+json" or
+// Returns the codec of "application/json", "application/proto", "application/connect+json" or
 // "application/connect+proto", parameters such as charset ignored; nothing for others.
 std::optional<ConnectCodec> ParseContentType(std::string_view content_type);
 
-// The content type of answers in this codec.
+// Returns the content type of answers in this codec.
 std::string_view ContentTypeOf(const ConnectCodec& codec);
 
 // "not_found" of absl::StatusCode::kNotFound; "unknown" for codes out of range.
 std::string_view ConnectCodeName(absl::StatusCode code);
 
-// The HTTP status of a unary error with this code.
+// Returns the HTTP status of a unary error with this code.
 int HttpStatusOf(absl::StatusCode code);
 
 // `Connect-Timeout-Ms`: 1 to 10 digits. INVALID_ARGUMENT otherwise.
@@ -57,18 +57,19 @@ struct ConnectError {
 // {"code":"not_found","message":"…","details":[{"type":"…","value":"<base64, unpadded>"}]}
 std::string ErrorJson(const ConnectError& error);
 
-// The last message of a stream, without its envelope: {} or {"error":…,"metadata":{…}}.
+// Returns the last message of a stream, without its envelope: {} or {"error":…,"metadata":{…}}.
 std::string EndStreamJson(const std::optional<ConnectError>& error, const HeaderList& trailers);
 
 inline constexpr uint8_t kCompressedFlag = 1;
 inline constexpr uint8_t kEndStreamFlag = 2;
 inline constexpr std::size_t kEnvelopeHeaderBytes = 5;
 
-// One byte of flags, four of length (big-endian), then the payload.
+// Writes one byte of flags, four of length (big-endian), then the payload.
 std::string Envelope(uint8_t flags, std::string_view payload);
 
-// The payloads of a body of envelopes; views into `body`. INVALID_ARGUMENT if it is cut short or
-// has bytes left over, or an envelope has flags; RESOURCE_EXHAUSTED if one is longer than `limit`.
+// Returns the payloads of a body of envelopes; views into `body`. INVALID_ARGUMENT if it is cut
+// short or has bytes left over, or an envelope has flags; RESOURCE_EXHAUSTED if one is longer than
+// `limit`.
 absl::StatusOr<std::vector<std::string_view>> SplitEnvelopes(std::string_view body,
                                                              std::size_t limit);
 

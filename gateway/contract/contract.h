@@ -68,7 +68,8 @@ class Contract {
   // By path, in the order of the files.
   const std::vector<MethodRoute>& methods() const { return methods_; }
 
-  // The method of an HTTP/2 path such as "/mortise.v1.CatalogService/GetItem"; null if unknown.
+  // Returns the method of an HTTP/2 path such as "/mortise.v1.CatalogService/GetItem"; null if
+  // unknown.
   const MethodRoute* Find(std::string_view path) const;
 
   // Whether `bytes` are a message of the type that the method takes. Slow: they are decoded.
@@ -90,11 +91,11 @@ class Contract {
   std::vector<std::string> services_;
 };
 
-// The serialised FileDescriptorSet that is built in: imports first, comments included.
+// Returns the serialised FileDescriptorSet that is built in: imports first, comments included.
 std::string_view ContractBytes();
 
-// The service an operation belongs to: "pareto" of "operations/pareto/0198c1"; empty if the name is
-// not of that form.
+// Returns the service an operation belongs to: "pareto" of "operations/pareto/0198c1"; empty if the
+// name is not of that form.
 std::string_view ServiceOfOperation(std::string_view name);
 
 }  // namespace mortise::gateway

@@ -8,8 +8,8 @@ namespace mortise::gateway {
 
 class Contract;
 
-// One JSON document: a path for each method, a schema for each message, and the protos' comments as
-// descriptions. `version` is that of the gateway.
+// Returns one JSON document: a path for each method, a schema for each message, and the protos'
+// comments as descriptions. `version` is that of the gateway.
 std::string OpenApiDocument(const Contract& contract, std::string_view version);
 
 }  // namespace mortise::gateway

@@ -13,8 +13,8 @@ namespace mortise::gateway {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// The comment of a message, field, method, enum or value in the proto file, as one paragraph;
-// what stands after a field on its line counts too.
+// Returns the comment of a message, field, method, enum or value in the proto file, as one
+// paragraph; what stands after a field on its line counts too.
 template <class DescriptorType>
 std::string CommentOf(const DescriptorType& descriptor) {
   google::protobuf::SourceLocation location;
@@ -36,7 +36,7 @@ class SchemaCollection {
   // {"$ref":"#/components/schemas/…"}, or the schema itself for well-known types.
   OrderedJson Refer(const google::protobuf::Descriptor& message);
 
-  // All schemas referred to so far, by full name.
+  // Returns all schemas referred to so far, by full name.
   OrderedJson Take();
 
  private:

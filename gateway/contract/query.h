@@ -18,10 +18,9 @@ struct Target {
   std::map<std::string, std::string> parameters;  // the last of a name counts
 };
 
-// A target may also have a scheme and a host, as sent to proxies (RFC 9112, 3.2.2).
-// INVALID_ARGUMENT for one that begins with neither these nor '/', is longer than 8 KiB, or has a
-// malformed
-// %-escape.
+// Reads a target, which may also have a scheme and a host, as sent to proxies (RFC 9112, 3.2.2).
+// INVALID_ARGUMENT for one that begins with neither these nor '/', is longer than 8 KiB, or has an
+// escape by '%' that is malformed.
 absl::StatusOr<Target> ParseTarget(std::string_view target);
 
 // Whether an authority, as in `Host`, is a name of this machine for itself: localhost, 127.0.0.0/8
@@ -40,7 +39,7 @@ using EventPosition = std::map<std::string, int64_t>;
 absl::StatusOr<EventPosition> ParsePosition(std::string_view text);
 std::string FormatPosition(const EventPosition& position);
 
-// A decimal number between -1 and 2^63-1; INVALID_ARGUMENT naming `field` otherwise.
+// Returns a decimal number between -1 and 2^63-1; INVALID_ARGUMENT naming `field` otherwise.
 absl::StatusOr<int64_t> ParseNumber(std::string_view text, std::string_view field);
 
 }  // namespace mortise::gateway

@@ -39,7 +39,7 @@ class TokenKeys {
   // set without any usable key is an error.
   static absl::StatusOr<TokenKeys> Parse(std::string_view text);
 
-  // The claims of a token with a valid signature whose time, issuer and audience fit.
+  // Returns the claims of a token with a valid signature whose time, issuer and audience fit.
   // UNAUTHENTICATED, saying why, otherwise.
   absl::StatusOr<TokenClaims> Verify(std::string_view token, const TokenOptions& options,
                                      absl::Time now) const;
@@ -52,8 +52,8 @@ class TokenKeys {
   std::vector<std::shared_ptr<const Key>> keys_;
 };
 
-// The token of an `authorization` header: "Bearer <token>", the scheme in any case; nothing if the
-// header is of another form.
+// Returns the token of an `authorization` header: "Bearer <token>", the scheme in any case; nothing
+// if the header is of another form.
 std::optional<std::string_view> BearerToken(std::string_view authorization);
 
 }  // namespace mortise::gateway

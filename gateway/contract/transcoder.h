@@ -29,9 +29,9 @@ class Transcoder {
   explicit Transcoder(const Contract& contract);
   ~Transcoder();
 
-  // The message of type `type` that `json` describes, serialised. INVALID_ARGUMENT naming every
-  // field that is unknown, has a value of the wrong type or is there twice, and "request", saying
-  // where, for text that is not JSON.
+  // Returns the message of type `type` that `json` describes, serialised. INVALID_ARGUMENT naming
+  // every field that is unknown, has a value of the wrong type or is there twice, and "request",
+  // saying where, for text that is not JSON.
   absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type,
                                        std::string_view json) const;
 

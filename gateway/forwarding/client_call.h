@@ -40,13 +40,14 @@ class ClientCall {
                                                     const std::vector<std::string>& requests);
   virtual ~ClientCall() = default;
 
-  // The next answer; nothing at the end, when status() is known. Do not call again after that.
+  // Returns the next answer; nothing at the end, when status() is known. Do not call again after
+  // that.
   virtual boost::asio::awaitable<std::optional<std::string>> Read() = 0;
 
-  // How the call ended. After the last Read.
+  // Returns how the call ended. After the last Read.
   virtual const grpc::Status& status() const = 0;
 
-  // Metadata that came first (after the first Read) and last (after the last Read); without
+  // Returns metadata that came first (after the first Read) and last (after the last Read); without
   // reserved entries.
   virtual HeaderList leading() const = 0;
   virtual HeaderList trailing() const = 0;
@@ -55,7 +56,7 @@ class ClientCall {
   virtual void Cancel() = 0;
 };
 
-// A failure of a call as Connect clients see it; nothing if it is OK.
+// Returns a failure of a call as Connect clients see it; nothing if it is OK.
 std::optional<ConnectError> ToConnectError(const grpc::Status& status);
 
 }  // namespace mortise::gateway

@@ -29,7 +29,7 @@ struct EventHubOptions {
   absl::Duration retry = absl::Milliseconds(250);  // while a service cannot be reached
 };
 
-// NOT_FOUND for a stream that there is not.
+// Returns NOT_FOUND for a stream that there is not.
 absl::Status NoSuchStream(std::string_view stream);
 
 class EventHub {
@@ -46,7 +46,7 @@ class EventHub {
   virtual absl::StatusOr<std::vector<bus::Event>> Read(const std::string& stream, int64_t after,
                                                        int limit) = 0;
 
-  // The number of the latest event known; nothing while the service was never reached.
+  // Returns the number of the latest event known; nothing while the service was never reached.
   virtual std::optional<int64_t> Latest(const std::string& stream) const = 0;
 
   // Runs `callback`, which must be quick, whenever a stream has new events, until the token goes.

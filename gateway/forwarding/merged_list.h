@@ -27,9 +27,9 @@ struct SourcePosition {
 // By source; sources that are read to their end are absent.
 using MergePosition = std::map<std::string, SourcePosition>;
 
-// The page token of a merged list. Empty text stands for the beginning: every source of `sources`
-// at its first page. INVALID_ARGUMENT naming page_token for text that is not a token, or names
-// other sources.
+// Returns the page token of a merged list. Empty text stands for the beginning: every source of
+// `sources` at its first page. INVALID_ARGUMENT naming page_token for text that is not a token, or
+// names other sources.
 absl::StatusOr<MergePosition> ParseMergeToken(std::string_view text,
                                               const std::vector<std::string>& sources);
 std::string FormatMergeToken(const MergePosition& position);
@@ -51,7 +51,7 @@ struct SourceRead {
   std::string given = {};  // identity of the last item given of it; empty if there is none
 };
 
-// The page of a source that `position` is on, used up to where that says.
+// Returns the page of a source that `position` is on, used up to where that says.
 template <class Item, class Fetch, class Identify>
 absl::StatusOr<SourceRead<Item>> ReadSource(const std::string& name, const SourcePosition& position,
                                             int page_size, const Fetch& fetch,
@@ -69,8 +69,8 @@ absl::StatusOr<SourceRead<Item>> ReadSource(const std::string& name, const Sourc
   return read;
 }
 
-// The one whose next item comes first of all; null at the end of all pages, and where one is used
-// up that has a next page: what is on that might come first.
+// Returns the one whose next item comes first of all; null at the end of all pages, and where one
+// is used up that has a next page: what is on that might come first.
 template <class Item, class Before>
 SourceRead<Item>* FindFirst(std::vector<SourceRead<Item>>& reads, const Before& before) {
   SourceRead<Item>* best = nullptr;
@@ -85,7 +85,7 @@ SourceRead<Item>* FindFirst(std::vector<SourceRead<Item>>& reads, const Before& 
   return best;
 }
 
-// Where the next page begins.
+// Returns where the next page begins.
 template <class Item>
 MergePosition PositionAfter(const std::vector<SourceRead<Item>>& reads) {
   MergePosition next;
@@ -100,9 +100,9 @@ MergePosition PositionAfter(const std::vector<SourceRead<Item>>& reads) {
   return next;
 }
 
-// The next page of the merged list. `fetch(source, page_size, page_token)` gives a page of a
-// source, whose items are in the order of `before(a, b)`; failures end it. `identify(item)` gives a
-// text that no other item of its source has, not empty, and that stays the same; `size_of(item)`
+// Returns the next page of the merged list. `fetch(source, page_size, page_token)` gives a page of
+// a source, whose items are in the order of `before(a, b)`; failures end it. `identify(item)` gives
+// a text that no other item of its source has, not empty, and that stays the same; `size_of(item)`
 // its bytes, for the page to end where all pages do (common/resources/page_rule.h). Items of one
 // source keep their order, and none is lost or repeated between pages, also where a source gets new
 // items at its front meanwhile: those that would stand before what was given are left out. No item

@@ -49,9 +49,9 @@ class ProxiedCall {
   // Passes what the service sent before its first message on to the client.
   void CopyInitialMetadata();
 
-  // The status for the client, after the service's trailing metadata was passed on. A service that
-  // could not be reached is named, and a request that it could not read is said to be that:
-  // `request` is the only message of the client's, if it is small; null if there may be many.
+  // Returns the status for the client, after the service's trailing metadata was passed on. A
+  // service that could not be reached is named, and a request that it could not read is said to be
+  // that: `request` is the only message of the client's, if it is small; null if there may be many.
   grpc::Status Conclude(const grpc::Status& upstream, const grpc::ByteBuffer* request);
 
   // Writes the log line. Once, when all is over.
@@ -81,7 +81,7 @@ class ProxiedCall {
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-// The two kinds of reactor. Each deletes itself when its call is over.
+// Make the two kinds of reactor. Each deletes itself when its call is over.
 grpc::ServerGenericBidiReactor* MakeUnaryForward(std::unique_ptr<ProxiedCall> call);
 grpc::ServerGenericBidiReactor* MakeStreamForward(std::unique_ptr<ProxiedCall> call);
 

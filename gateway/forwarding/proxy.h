@@ -54,13 +54,13 @@ struct ProxyOptions {
   std::chrono::milliseconds reflection_time{60000};  // of one stream
 };
 
-// The generic service to register with a server. It also answers the health service, and the
-// reflection service (grpc.reflection.v1alpha) for every method of the contract.
+// Returns the generic service to register with a server. It also answers the health service, and
+// the reflection service (grpc.reflection.v1alpha) for every method of the contract.
 std::unique_ptr<grpc::CallbackGenericService> MakeProxy(const ProxyOptions& options);
 
-// The service a call goes to: the method's own, or the one its request names. `request` is the
-// first message, serialised; read only where the route depends on it. INVALID_ARGUMENT naming the
-// field, or NOT_FOUND, if it names none of `upstreams`.
+// Returns the service a call goes to: the method's own, or the one its request names. `request` is
+// the first message, serialised; read only where the route depends on it. INVALID_ARGUMENT naming
+// the field, or NOT_FOUND, if it names none of `upstreams`.
 absl::StatusOr<std::string> ServiceOf(const MethodRoute& method, std::string_view request,
                                       const Upstreams& upstreams);
 

@@ -58,18 +58,19 @@ class Upstreams {
     std::unique_ptr<GenericStub> stub;
   };
 
-  // A connection for one call, which keeps it until it is over; null for a name that was not added.
+  // Returns a connection for one call, which keeps it until it is over; null for a name that was
+  // not added.
   std::shared_ptr<const Connection> Take(std::string_view name, CallKind kind) const;
 
-  // How many calls of a kind may be open to one service, where waits and streams share.
+  // Returns how many calls of a kind may be open to one service, where waits and streams share.
   int MostOpen(CallKind kind) const;
 
-  // One channel of the service, for typed stubs; null for a name that was not added.
+  // Returns one channel of the service, for typed stubs; null for a name that was not added.
   std::shared_ptr<grpc::Channel> Channel(std::string_view name) const;
 
   const UpstreamOptions& options() const { return options_; }
 
-  // Every service added, with its address.
+  // Returns every service added, with its address.
   const std::map<std::string, std::string, std::less<>>& addresses() const { return addresses_; }
 
   // Whether the service's standard health check says SERVING within `timeout`. Blocks.

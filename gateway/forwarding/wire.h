@@ -12,7 +12,7 @@
 
 namespace mortise::gateway {
 
-// One copy each way; an empty string is a buffer of one empty slice, which gRPC wants.
+// Makes one copy each way; an empty string is a buffer of one empty slice, which gRPC wants.
 grpc::ByteBuffer ToByteBuffer(std::string_view bytes);
 std::string ToString(const grpc::ByteBuffer& buffer);
 
@@ -32,8 +32,8 @@ class PassedMetadata {
  public:
   void Add(std::string_view key, std::string_view value);
 
-  // RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if there is more than kMaxMetadataBytes; names the
-  // largest. `what` is what the caller calls them: "metadata", "headers".
+  // Fails with RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if there is more than kMaxMetadataBytes;
+  // names the largest. `what` is what the caller calls them: "metadata", "headers".
   absl::Status Check(std::string_view what) const;
 
  private:

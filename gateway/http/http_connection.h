@@ -46,20 +46,20 @@ class HttpConnection {
   // Waits until the client begins a request. False if it left, or was idle for too long.
   virtual boost::asio::awaitable<bool> AwaitRequest() = 0;
 
-  // The request without its body. Its `x-request-id` is the client's, or one made here; every
-  // answer carries it. After kTooLarge and kMalformed the connection can still answer, and must
-  // then be closed.
+  // Returns the request without its body. Its `x-request-id` is the client's, or one made here;
+  // every answer carries it. After kTooLarge and kMalformed the connection can still answer, and
+  // must then be closed.
   virtual boost::asio::awaitable<HttpReadResult> ReadHead(HttpRequest& request) = 0;
 
-  // How long the body is; nothing if that is not said beforehand.
+  // Returns how long the body is; nothing if that is not said beforehand.
   virtual std::optional<uint64_t> BodyBytes() const = 0;
 
   // Whether there is room for a body of which so many bytes have come.
   using HasRoom = std::function<bool(std::size_t received)>;
 
-  // The body, of at most kMaximalBodyBytes; kNoRoom as soon as `has_room`, which is asked again and
-  // again, says so. Once. After anything but kRead the connection must be closed when it has
-  // answered.
+  // Returns the body, of at most kMaximalBodyBytes; kNoRoom as soon as `has_room`, which is asked
+  // again and again, says so. Once. After anything but kRead the connection must be closed when it
+  // has answered.
   virtual boost::asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request,
                                                           const HasRoom& has_room) = 0;
 
@@ -67,12 +67,12 @@ class HttpConnection {
   // it is too much; answers have then told the client that the connection will be closed.
   virtual boost::asio::awaitable<bool> DropBody() = 0;
 
-  // A whole answer, of which a HEAD request gets the headers. False if the client is gone.
+  // Sends a whole answer, of which a HEAD request gets the headers. False if the client is gone.
   virtual boost::asio::awaitable<bool> Write(int status, const HeaderList& headers,
                                              std::string body, bool keep_alive) = 0;
 
-  // The beginning of an answer whose length is not known, its pieces, and its end. A piece that the
-  // client has not taken within a minute counts as gone.
+  // Send the beginning of an answer whose length is not known, its pieces, and its end. A piece
+  // that the client has not taken within a minute counts as gone.
   virtual boost::asio::awaitable<bool> BeginChunks(int status, const HeaderList& headers,
                                                    bool keep_alive) = 0;
   virtual boost::asio::awaitable<bool> WriteChunk(std::string_view bytes) = 0;

@@ -33,27 +33,28 @@ struct HttpContext {
   std::function<absl::Status()> health;  // why it does not serve, if it does not
 };
 
-// The value of a header; empty if it is absent.
+// Returns the value of a header; empty if it is absent.
 std::string_view HeaderOf(const HttpRequest& request, std::string_view name);
 
-// The header "x-request-id" of the answer: the client's own, or one made here.
+// Returns the header "x-request-id" of the answer: the client's own, or one made here.
 std::pair<std::string, std::string> RequestIdOf(const HttpRequest& request);
 
-// Who sends the request; fails as Admission::Authenticate does.
+// Returns who sends the request; fails as Admission::Authenticate does.
 absl::StatusOr<std::shared_ptr<const Caller>> CallerOf(const HttpContext& context,
                                                        const HttpRequest& request);
 
-// RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if these headers are more than a service takes.
+// Returns RESOURCE_EXHAUSTED, METADATA_TOO_LARGE if these headers are more than a service takes.
 absl::Status CheckPassedHeaders(const HeaderList& metadata);
 
-// The headers of a request that become metadata of the call: tokens, the request id (made here if
-// the client gave none) and what is neither reserved nor the protocol's own; `-bin` ones decoded.
+// Returns the headers of a request that become metadata of the call: tokens, the request id (made
+// here if the client gave none) and what is neither reserved nor the protocol's own; `-bin` ones
+// decoded.
 HeaderList MetadataOf(const HttpRequest& request);
 
 // Metadata as HTTP headers, each name after `prefix`; `-bin` ones encoded.
 void AppendMetadata(HeaderList& headers, const HeaderList& metadata, const char* prefix);
 
-// A unary error answer: {"code":…} with the HTTP status of its code.
+// Returns a unary error answer: {"code":…} with the HTTP status of its code.
 boost::asio::awaitable<bool> WriteError(HttpConnection& connection, const ConnectError& error,
                                         HeaderList headers, bool keep_alive);
 

@@ -37,7 +37,7 @@ class HttpDoor {
   // Whether a client that connects now would be served (rpc::ConnectionAcceptor::Probe).
   virtual absl::Status Probe() = 0;
 
-  // The address bound, host:port.
+  // Returns the address bound, host:port.
   virtual const std::string& address() const = 0;
 };
 

@@ -22,8 +22,8 @@ struct WebhookUrl {
 // control characters, more than 2048 bytes.
 absl::StatusOr<WebhookUrl> ParseWebhookUrl(std::string_view url);
 
-// The address that `host` is without asking anybody: also in the older spellings of IPv4 (127.1,
-// 2130706433, 0x7f000001, 0177.0.0.1). Nothing for a name.
+// Returns the address that `host` is without asking anybody: also in the older spellings of IPv4
+// (127.1, 2130706433, 0x7f000001, 0177.0.0.1). Nothing for a name.
 std::optional<boost::asio::ip::address> LiteralAddress(std::string host);
 
 // Whether events may be posted to this address: not to link-local ones and the few others where

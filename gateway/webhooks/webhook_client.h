@@ -15,8 +15,8 @@
 
 namespace mortise::gateway {
 
-// The value of `Mortise-Signature`: "t=<seconds>,v1=<hex>", where hex is the HMAC-SHA256 with the
-// secret over "<seconds>.<body>".
+// Returns the value of `Mortise-Signature`: "t=<seconds>,v1=<hex>", where hex is the HMAC-SHA256
+// with the secret over "<seconds>.<body>".
 std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_view body);
 
 struct WebhookClientOptions {

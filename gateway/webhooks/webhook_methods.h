@@ -19,8 +19,8 @@ struct Webhooks {
 
 namespace methods {
 
-// The subscription as it will be stored: it begins with what comes from now on. INVALID_ARGUMENT
-// naming every field at fault; as WebhookDelivery::CheckHost.
+// Returns the subscription as it will be stored: it begins with what comes from now on.
+// INVALID_ARGUMENT naming every field at fault; as WebhookDelivery::CheckHost.
 absl::StatusOr<v1::Webhook> DraftWebhook(const Webhooks& webhooks, const rpc::Call& call,
                                          const v1::CreateWebhookRequest& asked);
 absl::StatusOr<v1::Webhook> CreateWebhook(const Webhooks& webhooks, const rpc::Call& call,

@@ -40,7 +40,7 @@ absl::Status DeleteWebhook(store::Transaction& transaction, const std::string& n
 absl::Status PutDeadLetter(store::Transaction& transaction, const std::string& webhook,
                            const DeadLetter& letter);
 
-// A page of the dead letters of a webhook, by stream and number.
+// Returns a page of the dead letters of a webhook, by stream and number.
 absl::StatusOr<resources::Page<v1::ListDeadLettersResponse::DeadLetter>> PageOfDeadLetters(
     store::ReadTransaction& transaction, const std::string& webhook,
     const resources::PageQuery& query);
@@ -49,11 +49,11 @@ absl::StatusOr<resources::Page<v1::ListDeadLettersResponse::DeadLetter>> PageOfD
 absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::string& webhook,
                                const std::string& stream, int64_t after_number);
 
-// The cursor of a stream; 0 if there is none.
+// Returns the cursor of a stream; 0 if there is none.
 int64_t CursorOf(const v1::Webhook& webhook, const std::string& stream);
 void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number);
 
-// The event of a stream that waits for another try; null if none does.
+// Returns the event of a stream that waits for another try; null if none does.
 const v1::Webhook::Retry* RetryOf(const v1::Webhook& webhook, const std::string& stream);
 void SetRetry(v1::Webhook& webhook, const std::string& stream,
               const std::optional<v1::Webhook::Retry>& retry);

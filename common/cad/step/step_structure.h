@@ -25,9 +25,9 @@ std::vector<std::string> EntityFaults(STEPCAFControl_Reader& reader);
 // looks at the id instead, so the id becomes the name.
 void KeepNames(const Handle(StepData_StepModel) & model);
 
-// INVALID_ARGUMENT, "step", for products or representations that contain themselves, naming them,
-// and for parts that are in other files. RESOURCE_EXHAUSTED for sub-assemblies of sub-assemblies
-// that make more than kMaxStepParts parts.
+// Fails with INVALID_ARGUMENT, "step", for products or representations that contain themselves,
+// naming them, and for parts that are in other files. RESOURCE_EXHAUSTED for sub-assemblies of
+// sub-assemblies that make more than kMaxStepParts parts.
 absl::Status CheckStructure(STEPCAFControl_Reader& reader);
 
 }  // namespace mortise::cad

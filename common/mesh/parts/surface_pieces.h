@@ -17,7 +17,7 @@ struct SurfacePiece {
   bool is_closed = false;  // whether each edge has two triangles, whichever way these turn
 };
 
-// The pieces of a scene, component by component, in the order of their first triangles.
+// Returns the pieces of a scene, component by component, in the order of their first triangles.
 //
 // What hangs together by corners is one piece (mesh_components.h), but for closed shells: where a
 // table's legs and its top are boxes that share corners or edges only, each box is a piece. A shell
@@ -31,7 +31,7 @@ struct SurfacePiece {
 // have no three corners then are left out.
 std::vector<SurfacePiece> PiecesOf(const Scene& scene);
 
-// The box around a surface, which must have vertices.
+// Returns the box around a surface, which must have vertices.
 Eigen::AlignedBox3d BoxOf(const SurfaceMesh& surface);
 
 }  // namespace mortise::mesh

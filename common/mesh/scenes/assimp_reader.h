@@ -7,9 +7,9 @@
 
 namespace mortise::mesh {
 
-// The components of the file, with the transforms of their nodes applied; unit and up axis are not
-// set. Vertices at one place are one; degenerate triangles, and vertices that none uses, are left
-// out; notes say so. Errors as of ReadScene.
+// Returns the components of the file, with the transforms of their nodes applied; unit and up axis
+// are not set. Vertices at one place are one; degenerate triangles, and vertices that none uses,
+// are left out; notes say so. Errors as of ReadScene.
 absl::StatusOr<Scene> ReadByAssimp(const CleanedFile& file);
 
 }  // namespace mortise::mesh

@@ -25,20 +25,21 @@ struct ConnectedTriangles {
   int count = 0;
 };
 
-// The connected pieces of a surface. Two triangles that have a corner in common are in one piece:
-// the same vertex, or vertices at one place (WeldPoints), so that a soup in which every triangle
-// has vertices of its own hangs together where it touches. `relative_tolerance` is a fraction of
-// the diagonal of the box around the vertices; at least 1e-12 if it is not 0. Indices must be of
-// vertices, coordinates finite.
+// Returns the connected pieces of a surface. Two triangles that have a corner in common are in one
+// piece: the same vertex, or vertices at one place (WeldPoints), so that a soup in which every
+// triangle has vertices of its own hangs together where it touches. `relative_tolerance` is a
+// fraction of the diagonal of the box around the vertices; at least 1e-12 if it is not 0. Indices
+// must be of vertices, coordinates finite.
 ConnectedTriangles FindConnected(const Eigen::Matrix3Xd& vertices,
                                  const Eigen::Matrix3Xi& triangles, double relative_tolerance = 0);
 
-// What some triangles of a component are by themselves, without a name: these, by their numbers,
-// and the vertices that they use, both in their order. It takes no longer for what else there is.
+// Returns what some triangles of a component are by themselves, without a name: these, by their
+// numbers, and the vertices that they use, both in their order. It takes no longer for what else
+// there is.
 SceneComponent PieceOf(const SceneComponent& component, const std::vector<int>& triangles);
 
-// The connected pieces of a component, each with the vertices that it uses, in their order. A
-// component of one piece keeps its name, those of several are numbered: "leg 1", "leg 2", or "1",
+// Returns the connected pieces of a component, each with the vertices that it uses, in their order.
+// A component of one piece keeps its name, those of several are numbered: "leg 1", "leg 2", or "1",
 // "2" without a name.
 std::vector<SceneComponent> Separated(const SceneComponent& component,
                                       double relative_tolerance = 0);

@@ -22,7 +22,8 @@ struct SceneComponent {
 // The axis that points upwards.
 enum class UpAxis { kUnknown, kX, kY, kZ };
 
-// The axis of a number as contracts have it: 1, 2 and 3 are x, y and z, all else is unknown.
+// Returns the axis of a number as contracts have it: 1, 2 and 3 are x, y and z, all else is
+// unknown.
 UpAxis UpAxisOf(int number);
 
 struct Scene {
@@ -32,22 +33,23 @@ struct Scene {
   std::vector<std::string> notes;  // whole sentences: what people should know of the reading
 };
 
-// The triangles of all components together.
+// Returns the triangles of all components together.
 std::int64_t TriangleCount(const Scene& scene);
 
-// The box around all triangles, in the scene's unit; empty (Eigen's isEmpty()) without any.
+// Returns the box around all triangles, in the scene's unit; empty (Eigen's isEmpty()) without any.
 Eigen::AlignedBox3d BoxOf(const Scene& scene);
 
-// All components in one, without a name; vertices and triangles keep their order.
+// Returns all components in one, without a name; vertices and triangles keep their order.
 SceneComponent Joined(const Scene& scene);
 
-// The scene in metres, if a unit of its coordinates is `unit` metres (0.001 for millimetres). What
-// the scene itself says of its unit is overruled. `unit` must be positive and finite.
+// Returns the scene in metres, if a unit of its coordinates is `unit` metres (0.001 for
+// millimetres). What the scene itself says of its unit is overruled. `unit` must be positive and
+// finite.
 Scene Scaled(Scene scene, double unit);
 
-// The scene turned, not mirrored, so that what was along `up` is along +z: y up by a quarter turn
-// about x (y becomes z, z becomes -y), x up by one about y (x becomes z, z becomes -x). A scene
-// whose up axis is kUnknown stays as it is, and so does its `up`.
+// Returns the scene turned, not mirrored, so that what was along `up` is along +z: y up by a
+// quarter turn about x (y becomes z, z becomes -y), x up by one about y (x becomes z, z becomes
+// -x). A scene whose up axis is kUnknown stays as it is, and so does its `up`.
 Scene TurnedUpright(Scene scene, UpAxis up);
 
 // A unit that nobody stated, guessed by the size of the scene, and the sentence to say so.
@@ -66,10 +68,10 @@ struct UnitGuess {
 // scene without triangles. The rule is our own; a scene's stated unit is not looked at.
 std::optional<UnitGuess> GuessUnit(const Scene& scene);
 
-// The scene in metres with z upwards. `up` and `unit`, metres, are what somebody says of it; where
-// they say nothing the scene itself counts, and then the guess of its unit, which a note tells.
-// Where nothing tells the unit, the scene is not scaled, has no unit, and a note says so; where
-// nothing tells what is up, z is.
+// Returns the scene in metres with z upwards. `up` and `unit`, metres, are what somebody says of
+// it; where they say nothing the scene itself counts, and then the guess of its unit, which a note
+// tells. Where nothing tells the unit, the scene is not scaled, has no unit, and a note says so;
+// where nothing tells what is up, z is.
 Scene Settled(Scene scene, UpAxis up, std::optional<double> unit);
 
 }  // namespace mortise::mesh

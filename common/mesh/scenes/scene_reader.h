@@ -41,8 +41,8 @@ struct SceneReaderOptions {
   std::chrono::seconds time_limit = kMaxSceneTime;  // by the clock
 };
 
-// The scene in a file. Its format is told by its content (scene_format.h); `file_name`, or its
-// extension alone, or nothing, only serves a note where the two differ.
+// Returns the scene in a file. Its format is told by its content (scene_format.h); `file_name`, or
+// its extension alone, or nothing, only serves a note where the two differ.
 //
 // Errors, all of the field "file":
 //   INVALID_ARGUMENT     the file is empty; of another format (the message says of which where that

@@ -50,7 +50,7 @@ class ConnectionAcceptor {
   // seconds at most. UNAVAILABLE saying why not.
   virtual absl::Status Probe() = 0;
 
-  // The address bound, host:port.
+  // Returns the address bound, host:port.
   virtual const std::string& address() const = 0;
 };
 

@@ -20,7 +20,7 @@ struct PosedAssembly {
   std::string rest_pose;                      // "joint: pose"; empty for the drawn one
 };
 
-// INVALID_ARGUMENT, "rest_pose", with those that there are, for one that there is not.
+// Fails with INVALID_ARGUMENT, "rest_pose", with those that there are, for one that there is not.
 absl::Status CheckRestPose(const parametric::Assembly& assembly, const std::string& rest_pose);
 
 // STEP AP242: the groups as sub-assemblies, the parts as occurrences under their names, where they
@@ -33,7 +33,7 @@ absl::Status CheckRestPose(const parametric::Assembly& assembly, const std::stri
 // that cannot be made.
 absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed, const std::string& name);
 
-// The triangles of the parts. INVALID_ARGUMENT, "rest_pose".
+// Returns the triangles of the parts. INVALID_ARGUMENT, "rest_pose".
 absl::StatusOr<std::string> ExportAssemblyMesh(const PosedAssembly& posed, MeshFormat format,
                                                const std::string& name);
 

@@ -23,21 +23,21 @@ struct DrawnAssembly {
   std::vector<int> annotations;    // of each part, index into AssemblyAnnotations::parts, or -1
 };
 
-// The bytes of a STEP file that may be packed by gzip. RESOURCE_EXHAUSTED, "step", past 64 MiB;
-// INVALID_ARGUMENT if they cannot be unpacked.
+// Returns the bytes of a STEP file that may be packed by gzip. RESOURCE_EXHAUSTED, "step", past 64
+// MiB; INVALID_ARGUMENT if they cannot be unpacked.
 absl::StatusOr<std::string> UnpackStep(const std::string& bytes);
 
-// Every solid is a part, its box in the design's axes and its shape, by name, if it does not fill
-// that; the sub-assemblies are the groups, as far as there are parts in them. The drawing's shapes
-// must have names. A part without annotation is principal and has no item. An item lies
-// in the part in the way that its fixed sizes fit, its length along the longest. `items` are those
-// that the annotations name and that exist.
+// Makes every solid a part, its box in the design's axes and its shape, by name, if it does
+// not fill that; the sub-assemblies are the groups, as far as there are parts in them. The
+// drawing's shapes must have names. A part without annotation is principal and has no item. An item
+// lies in the part in the way that its fixed sizes fit, its length along the longest. `items` are
+// those that the annotations name and that exist.
 DrawnAssembly MakeAssembly(const cad::StepAssembly& drawing,
                            const v1::AssemblyAnnotations& annotations,
                            const std::vector<parametric::Item>& items);
 
-// What to tell of sizes that the design holds (ParametricAssembly::HeldSizes); nothing if there are
-// none.
+// Returns what to tell of sizes that the design holds (ParametricAssembly::HeldSizes); nothing if
+// there are none.
 std::string NoteOnHeldSizes(const std::vector<parametric::Measure>& held);
 
 // What is wrong with `drawn`: its findings and those of `checked`, which names fields of the

@@ -20,12 +20,13 @@ absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design
                                        const std::vector<cad::Solid>& solids,
                                        const std::string& assembly_name);
 
-// What each part looks like: its own colour, or that of its material; linear red, green, blue.
+// Returns what each part looks like: its own colour, or that of its material; linear red, green,
+// blue.
 std::vector<Eigen::Vector3d> PartColors(const parametric::EvaluatedDesign& design);
 
-// The triangles of every part: binary glTF in metres, a named and coloured node a part; Wavefront
-// OBJ in metres, a named object a part; or binary STL in millimetres, all parts in one. `motions`:
-// how each part is moved first, one a part, or none at all.
+// Returns the triangles of every part: binary glTF in metres, a named and coloured node a part;
+// Wavefront OBJ in metres, a named object a part; or binary STL in millimetres, all parts in one.
+// `motions`: how each part is moved first, one a part, or none at all.
 absl::StatusOr<std::string> ExportMesh(const parametric::EvaluatedDesign& design,
                                        const std::vector<Eigen::Isometry3d>& motions,
                                        MeshFormat format, const std::string& assembly_name);

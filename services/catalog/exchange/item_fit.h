@@ -17,9 +17,9 @@ struct ItemFit {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
 };
 
-// The way in which each size of `box`, m, along the design's axes misses the item's by `tolerance`
-// at most; of several, the one with the length along the longest and the thickness along the
-// shortest. Axes that are specified are kept to. Nothing if there is no way.
+// Returns the way in which each size of `box`, m, along the design's axes misses the item's by
+// `tolerance` at most; of several, the one with the length along the longest and the thickness
+// along the shortest. Axes that are specified are kept to. Nothing if there is no way.
 std::optional<ItemFit> FindFit(const parametric::Item& item, const Eigen::Vector3d& box,
                                v1::Axis length_axis, v1::Axis thickness_axis, double tolerance);
 

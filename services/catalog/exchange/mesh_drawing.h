@@ -35,7 +35,7 @@ struct MeshDrawingOptions {
 absl::StatusOr<cad::StepAssembly> DrawingOfScene(mesh::Scene scene, const std::string& name,
                                                  const MeshDrawingOptions& options = {});
 
-// The accuracy to which planes of such a drawing that nearly lie in one are made to, m.
+// Returns the accuracy to which planes of such a drawing that nearly lie in one are made to, m.
 double ToleranceOfMesh(const cad::StepAssembly& drawing);
 
 }  // namespace mortise::catalog

@@ -23,9 +23,9 @@ Assignment AssignAnnotations(const cad::StepAssembly& drawing,
                              const v1::AssemblyAnnotations& annotations,
                              std::vector<FieldViolation>& findings);
 
-// What is wrong with annotations of the parts of no drawing: the items (`items` are those that
-// exist), roles, axes, groups, planes and titles that they name. `annotations.parts[i]` for each i
-// of `which`; `groups` are those that there are. Fields as above.
+// Returns what is wrong with annotations of the parts of no drawing: the items (`items` are those
+// that exist), roles, axes, groups, planes and titles that they name. `annotations.parts[i]` for
+// each i of `which`; `groups` are those that there are. Fields as above.
 std::vector<FieldViolation> CheckWithoutParts(
     const v1::AssemblyAnnotations& annotations, const std::vector<int>& which,
     const google::protobuf::RepeatedPtrField<v1::AssemblyGroup>& groups,

@@ -10,9 +10,9 @@
 
 namespace mortise::catalog {
 
-// The turn by right angles that makes `to` of `from`, both as drawn (their own turns do not count),
-// to a tenth of a micrometre; none if there is none. The triangles are compared, the exact volume,
-// and the moments of inertia. O(V) for each of 24 turns that the boxes allow.
+// Returns the turn by right angles that makes `to` of `from`, both as drawn (their own turns do not
+// count), to a tenth of a micrometre; none if there is none. The triangles are compared, the exact
+// volume, and the moments of inertia. O(V) for each of 24 turns that the boxes allow.
 std::optional<Eigen::Matrix3d> TurnBetween(const mesh::DrawnShape& from,
                                            const mesh::DrawnShape& to);
 

@@ -13,8 +13,8 @@
 
 namespace mortise::catalog {
 
-// An assembly revision (0: the latest) and all it uses but shapes, which AddShapes adds. NOT_FOUND,
-// or INVALID_ARGUMENT naming "name" or "revision".
+// Returns an assembly revision (0: the latest) and all it uses but shapes, which AddShapes adds.
+// NOT_FOUND, or INVALID_ARGUMENT naming "name" or "revision".
 absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& transaction,
                                                      const std::string& name, int64_t revision);
 
@@ -24,7 +24,7 @@ absl::StatusOr<v1::AssemblyBundle> GetAssemblyBundle(store::ReadTransaction& tra
 absl::StatusOr<Page<v1::Assembly>> ListAssemblies(store::ReadTransaction& transaction,
                                                   const v1::ListAssembliesRequest& request);
 
-// The assembly with those items, materials and shapes it names that exist, and its digest.
+// Returns the assembly with those items, materials and shapes it names that exist, and its digest.
 absl::StatusOr<v1::AssemblyBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Assembly& message);
 

@@ -31,7 +31,7 @@ struct BundleKind {
   const char* name;   // one of them, in events ("template.imported") and requests
 };
 
-// The message that a bundle is of.
+// Return the message that a bundle is of.
 inline v1::Template& MessageOf(v1::TemplateBundle& bundle) { return *bundle.mutable_template_(); }
 inline v1::Assembly& MessageOf(v1::AssemblyBundle& bundle) { return *bundle.mutable_assembly(); }
 
@@ -44,7 +44,7 @@ void ClearWhatTheServiceSays(Message* message) {
   message->clear_creator();
 }
 
-// The bundle of a record. INTERNAL, STORAGE_FAILED if it holds none.
+// Returns the bundle of a record. INTERNAL, STORAGE_FAILED if it holds none.
 template <typename Bundle>
 absl::StatusOr<Bundle> BundleOf(const BundleKind& kind, const store::Record& record) {
   MORTISE_ASSIGN_OR_RETURN(Bundle bundle, resources::ParseRecord<Bundle>(kind.names, record));
@@ -52,7 +52,7 @@ absl::StatusOr<Bundle> BundleOf(const BundleKind& kind, const store::Record& rec
   return bundle;
 }
 
-// A revision (0: the latest). NOT_FOUND, or INVALID_ARGUMENT naming "name" or "revision".
+// Returns a revision (0: the latest). NOT_FOUND, or INVALID_ARGUMENT naming "name" or "revision".
 template <typename Bundle>
 absl::StatusOr<Bundle> GetBundleOf(store::ReadTransaction& transaction, const BundleKind& kind,
                                    const std::string& name, int64_t revision) {

@@ -37,8 +37,8 @@ absl::StatusOr<Page<v1::Material>> ListMaterials(store::ReadTransaction& transac
 absl::StatusOr<Page<v1::Item>> ListItems(store::ReadTransaction& transaction,
                                          const v1::ListItemsRequest& request);
 
-// What is wrong with an item and its tags, given the materials and shapes there are; fields are
-// those of the item.
+// Returns what is wrong with an item and its tags, given the materials and shapes there are; fields
+// are those of the item.
 absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& transaction,
                                                       const v1::Item& item);
 
@@ -95,7 +95,7 @@ absl::Status AddItems(store::ReadTransaction& transaction, const std::set<std::s
 
 // ---- Templates ---------------------------------------------------------------------------------
 
-// A template revision (0: the latest) and all it uses but shapes, which AddShapes adds.
+// Returns a template revision (0: the latest) and all it uses but shapes, which AddShapes adds.
 absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction,
                                              const std::string& name, int64_t revision);
 
@@ -105,9 +105,9 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
                                                  const v1::ListTemplatesRequest& request);
 
-// The template with those items and materials it names that exist, or with the assembly that it is
-// of and what that uses. INVALID_ARGUMENT, "assembly.assembly", for one there is not. What makes it
-// whole is templates::Complete.
+// Returns the template with those items and materials it names that exist, or with the assembly
+// that it is of and what that uses. INVALID_ARGUMENT, "assembly.assembly", for one there is not.
+// What makes it whole is templates::Complete.
 absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
                                           const v1::Template& message);
 

@@ -22,7 +22,7 @@ inline constexpr int64_t kMaxDrawingBytes = int64_t{2} << 30;
 // it.
 inline constexpr absl::Duration kDrawingGrace = absl::Hours(1);
 
-// What drawings are among uploads. `most`: bytes of all together.
+// Returns what drawings are among uploads. `most`: bytes of all together.
 rpc::UploadedKind Drawings(int64_t most = kMaxDrawingBytes);
 
 // Receives one file, at most as large as cad::kMaxStepBytes. If all drawings together would take
@@ -33,7 +33,8 @@ rpc::UploadedKind Drawings(int64_t most = kMaxDrawingBytes);
 std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadDrawingResponse>> ReceiveDrawing(
     store::Store* store, store::BlobFolder* blobs, int64_t most = kMaxDrawingBytes);
 
-// The bytes of a drawing that was uploaded. INVALID_ARGUMENT, "drawing", for one that was not.
+// Returns the bytes of a drawing that was uploaded. INVALID_ARGUMENT, "drawing", for one that was
+// not.
 absl::StatusOr<std::string> GetDrawing(store::Store* store, store::BlobFolder* blobs,
                                        const std::string& sha256);
 

@@ -18,10 +18,10 @@ class ParametrizationCache {
   // `capacity`, bytes; see SingleFlightCache.
   explicit ParametrizationCache(std::size_t capacity) : parametrized_(capacity, Oversize::kAlone) {}
 
-  // The assembly of a frozen bundle, by its name and digest: from before, or parametrised now, once
-  // for all who ask. `complete` adds what that takes and the bundle need not have: its shapes. With
-  // a `group`, the sub-tree below it.
-  // Fails as `complete`, CheckTogether and parametric::Parametrize do.
+  // Returns the assembly of a frozen bundle, by its name and digest: from before, or parametrised
+  // now, once for all who ask. `complete` adds what that takes and the bundle need not have: its
+  // shapes. With a `group`, the sub-tree below it. Fails as `complete`, CheckTogether and
+  // parametric::Parametrize do.
   absl::StatusOr<templates::Parametrization> Get(
       v1::AssemblyBundle bundle, const std::function<bool()>& is_given_up,
       const std::function<absl::Status(v1::AssemblyBundle&)>& complete,

@@ -17,12 +17,12 @@ inline constexpr const char* kItems = "items";
 inline constexpr const char* kTemplates = "templates";
 inline constexpr const char* kAssemblies = "assemblies";
 
-// What stands for a resource that was deleted, where its revisions can still be read: a revision
-// after them that says nothing.
+// Returns what stands for a resource that was deleted, where its revisions can still be read: a
+// revision after them that says nothing.
 inline bool IsDeleted(const store::Record& record) { return record.payload.empty(); }
 
-// The record of the resource `kind/{id}` (revision 0: the present one). INVALID_ARGUMENT naming
-// "name" or "revision"; NOT_FOUND naming the resource, also where it is deleted.
+// Returns the record of the resource `kind/{id}` (revision 0: the present one). INVALID_ARGUMENT
+// naming "name" or "revision"; NOT_FOUND naming the resource, also where it is deleted.
 absl::StatusOr<store::Record> GetRecord(store::ReadTransaction& transaction, const char* kind,
                                         const std::string& name, int64_t revision = 0);
 

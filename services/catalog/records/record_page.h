@@ -12,8 +12,8 @@
 
 namespace mortise::catalog {
 
-// The page of the records of `kind` that a List request asks for, in the order of their keys.
-// `entry_of(record)` gives a StatusOr<std::optional<Message>>: nothing for what is not shown.
+// Returns the page of the records of `kind` that a List request asks for, in the order of their
+// keys. `entry_of(record)` gives a StatusOr<std::optional<Message>>: nothing for what is not shown.
 // INVALID_ARGUMENT naming page_size or page_token.
 template <typename Message, typename Request, typename EntryOf>
 absl::StatusOr<Page<Message>> ReadPage(store::ReadTransaction& transaction, const char* kind,

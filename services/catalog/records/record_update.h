@@ -14,8 +14,8 @@
 
 namespace mortise::catalog {
 
-// INVALID_ARGUMENT, "update_mask", for each field that a Message does not have, and for those that
-// the service alone sets.
+// Fails with INVALID_ARGUMENT, "update_mask", for each field that a Message does not have, and for
+// those that the service alone sets.
 template <typename Message>
 absl::Status CheckUpdateMask(const google::protobuf::FieldMask& mask) {
   using google::protobuf::util::FieldMaskUtil;
@@ -32,8 +32,8 @@ absl::Status CheckUpdateMask(const google::protobuf::FieldMask& mask) {
   return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }
 
-// The present message with the fields of the mask taken from `changes`; all but the name where the
-// mask is empty.
+// Returns the present message with the fields of the mask taken from `changes`; all but the name
+// where the mask is empty.
 template <typename Message>
 Message Updated(Message present, const Message& changes, const google::protobuf::FieldMask& mask) {
   using google::protobuf::util::FieldMaskUtil;

@@ -49,7 +49,7 @@ bool HaveSameContent(Message one, Message other) {
   return one.SerializeAsString() == other.SerializeAsString();
 }
 
-// The message of a record. INTERNAL, STORAGE_FAILED if it holds none.
+// Returns the message of a record. INTERNAL, STORAGE_FAILED if it holds none.
 template <typename Message>
 absl::StatusOr<Message> RowOf(const RowKind& kind, const store::Record& record) {
   using google::protobuf::util::TimeUtil;

@@ -21,10 +21,10 @@ namespace mortise::catalog {
 // The kind of their records.
 inline constexpr const char* kShapes = "shapes";
 
-// The message of a shape, named by its content.
+// Returns the message of a shape, named by its content.
 v1::Shape NamedShape(const mesh::DrawnShape& shape);
 
-// What a stranger is shown: without exact surfaces.
+// Returns what a stranger is shown: without exact surfaces.
 v1::Shape ShownShape(v1::Shape shape);
 
 // With exact surfaces. INVALID_ARGUMENT, "name"; NOT_FOUND; INTERNAL for a record that is not what
@@ -40,7 +40,7 @@ absl::StatusOr<bool> PutShape(store::Transaction& transaction, const v1::Shape& 
 absl::StatusOr<v1::Shape> ImportShape(store::Transaction& transaction, v1::Shape shape,
                                       const resources::Author& author);
 
-// The shapes that the assembly's parts and the items name and that `shapes` does not have.
+// Returns the shapes that the assembly's parts and the items name and that `shapes` does not have.
 std::set<std::string> MissingShapes(const v1::Assembly& assembly,
                                     const google::protobuf::RepeatedPtrField<v1::Item>& items,
                                     const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
@@ -57,11 +57,12 @@ void DropExact(google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 // Leaves in place of the shapes that do not fit into one message, 3 MB, their names.
 void NameWhatDoesNotFit(v1::TemplateBundle& bundle);
 
-// INVALID_ARGUMENT, "parts": shapes that together are more than whoever evaluates the design takes.
+// Fails with INVALID_ARGUMENT, "parts": shapes that together are more than whoever evaluates the
+// design takes.
 absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 
-// What is wrong with an item's shape, given the shapes there are: none of this name, or another
-// size than the item fixes.
+// Returns what is wrong with an item's shape, given the shapes there are: none of this name, or
+// another size than the item fixes.
 absl::StatusOr<std::vector<FieldViolation>> CheckItemShape(store::ReadTransaction& transaction,
                                                            const v1::Item& item);
 

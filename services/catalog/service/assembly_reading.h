@@ -25,7 +25,7 @@ struct ParametrizedAssembly {
 absl::StatusOr<ParametrizedAssembly> FindParametrized(Catalog& catalog, const rpc::Call& call,
                                                       const std::string& name, int64_t revision);
 
-// The items and materials that a bundle has.
+// Return the items and materials that a bundle has.
 absl::StatusOr<parametric::TemplateBundle> UsedBy(const v1::AssemblyBundle& bundle);
 
 }  // namespace mortise::catalog

@@ -13,10 +13,10 @@
 
 namespace mortise::catalog {
 
-// The templates of a request as they will be stored, after everything in it has been checked
-// against each other and the store. INVALID_ARGUMENT with all that is wrong, fields as the request
-// has them ("items[3].price.amount"); templates are not judged by materials and items that are at
-// fault themselves. Changes nothing. Takes up to seconds a template; CANCELLED as soon as
+// Returns the templates of a request as they will be stored, after everything in it has been
+// checked against each other and the store. INVALID_ARGUMENT with all that is wrong, fields as the
+// request has them ("items[3].price.amount"); templates are not judged by materials and items that
+// are at fault themselves. Changes nothing. Takes up to seconds a template; CANCELLED as soon as
 // `is_given_up`, which is asked before each design of a template that is tried.
 absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
     store::Store& store, const v1::ImportCatalogRequest& request,

@@ -21,7 +21,7 @@ struct FileKind {
 // INVALID_ARGUMENT, "format".
 absl::StatusOr<FileKind> KindOf(v1::ExportDesignRequest::Format format);
 
-// Which of the formats of triangles; the format must not be STEP.
+// Returns which of the formats of triangles; the format must not be STEP.
 MeshFormat MeshFormatOf(v1::ExportDesignRequest::Format format);
 
 // The assembly as a file called by `id` and its extension. In STEP it is called by its title, or by

@@ -37,7 +37,7 @@ class DrawingSource {
                                    const std::string& file_name, const MeshDrawingOptions& options);
 
  private:
-  // The bytes that were sent or uploaded; `field` is that of those that were sent.
+  // Returns the bytes that were sent or uploaded; `field` is that of those that were sent.
   absl::StatusOr<std::string> BytesOf(const std::string& sent, const std::string& drawing,
                                       const char* field);
 

@@ -34,8 +34,8 @@ struct DesignSpace {
   Eigen::VectorXd Nearest(const Eigen::VectorXd& x) const;
 };
 
-// INVALID_ARGUMENT naming parameters[i].lower or .upper when a bound is not finite or they are
-// reversed; naming "parameters" when there are none or more than `limit`.
+// Fails with INVALID_ARGUMENT naming parameters[i].lower or .upper when a bound is not finite or
+// they are reversed; naming "parameters" when there are none or more than `limit`.
 absl::Status Validate(const DesignSpace& space, Eigen::Index limit = 512);
 
 enum class EvaluationStatus {
@@ -66,7 +66,7 @@ struct Evaluation {
 // finite.
 bool IsUsable(const Evaluation& evaluation);
 
-// INVALID_ARGUMENT naming "metrics", "deviations", "constraints", "jacobian" or
+// Fails with INVALID_ARGUMENT naming "metrics", "deviations", "constraints", "jacobian" or
 // "constraint_jacobian" where an evaluation has another count of them than `metrics` d,
 // `constraints` m and `parameters` D ask for. A failed evaluation need have none.
 absl::Status CheckAnswer(const Evaluation& evaluation, Eigen::Index parameters,

@@ -136,7 +136,7 @@ class Discovery : public AskTell {
   bool SurrogateIsDue() const;
   std::optional<TrackPool::Request> AskSurrogate();
 
-  // The opening, in discovery_opening.cpp.
+  // These are the opening, in discovery_opening.cpp.
   bool AwaitsOpening() const;
   void LearnFromLines();
   void TryLeastAlongLines();

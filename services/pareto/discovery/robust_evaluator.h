@@ -54,9 +54,9 @@ struct Robustness {
   int EvaluationsPerDesign() const;
 };
 
-// INVALID_ARGUMENT naming "tolerances[i].deviation" when it is not a finite number above 0 or the
-// range is less than three h wide, "tolerances[i].parameter" for one given twice, "deviations" for
-// a number that is negative, not finite, above 100, or without tolerances.
+// Fails with INVALID_ARGUMENT naming "tolerances[i].deviation" when it is not a finite number above
+// 0 or the range is less than three h wide, "tolerances[i].parameter" for one given twice,
+// "deviations" for a number that is negative, not finite, above 100, or without tolerances.
 absl::Status Validate(const Robustness& robustness);
 
 // Evaluates designs by what `inner` says of them and those around. Metrics and constraints (g <= 0)

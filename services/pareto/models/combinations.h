@@ -22,8 +22,8 @@ struct DiscreteParameter {
 // The value that each discrete parameter takes, by its index among the parameter's values.
 using Combination = std::vector<int>;
 
-// INVALID_ARGUMENT naming "discrete[i].parameter" for one that is not there or given twice, or
-// "discrete[i].values" for values that do not ascend, lie beyond the bounds, or are none.
+// Fails with INVALID_ARGUMENT naming "discrete[i].parameter" for one that is not there or given
+// twice, or "discrete[i].values" for values that do not ascend, lie beyond the bounds, or are none.
 absl::Status Validate(const std::vector<DiscreteParameter>& discrete, const DesignSpace& space);
 
 // Returns `choices`, and with them other parameters that are whole numbers (a step of 1 from a

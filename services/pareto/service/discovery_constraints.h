@@ -30,7 +30,7 @@ struct Constraint {
 
   // A metric's value as discovery sees it: one g <= 0 for each limit.
   void AppendTo(double value, std::vector<double>& rows) const;
-  // The value that the first of its rows stands for.
+  // Returns the value that the first of its rows stands for.
   double ValueOf(double row) const;
   int rows() const { return (minimum ? 1 : 0) + (maximum ? 1 : 0); }
 
@@ -44,10 +44,11 @@ struct Constraint {
 // might be.
 absl::Status CheckConstraints(const v1::DiscoverySpecification& specification);
 
-// What the design misses that is nearest to meeting all constraints. One must have been evaluated.
+// Returns what the design misses that is nearest to meeting all constraints. One must have been
+// evaluated.
 std::string MissedByNearest(const std::vector<Constraint>& constraints, const Archive& archive);
 
-// A remark for each constraint whose single value became a band.
+// Returns a remark for each constraint whose single value became a band.
 std::vector<std::string> BandRemarks(const std::vector<Constraint>& constraints);
 
 }  // namespace mortise::pareto

@@ -47,8 +47,8 @@ struct DiscoveryProblem {
 // field ("specification.evaluations").
 absl::Status CheckSpecification(const v1::DiscoverySpecification& specification);
 
-// The problem for a subject as its evaluator describes it. INVALID_ARGUMENT naming the field at
-// fault
+// Returns the problem for a subject as its evaluator describes it. INVALID_ARGUMENT naming the
+// field at fault
 // ("specification.objectives[1].metric" for an unknown metric, "specification.bounds[0].minimum"
 // for one outside the design space, "specification.bounds[0].choices[1]" for an unknown choice,
 // "specification.subject" for a design space that is unusable).

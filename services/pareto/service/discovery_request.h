@@ -8,7 +8,7 @@
 
 namespace mortise::pareto {
 
-// The request of an operation from the bytes that are stored with it: a
+// Returns the request of an operation from the bytes that are stored with it: a
 // mortise.v1.DiscoverFrontRequest, or what earlier versions stored, its specification alone.
 // INTERNAL, STORAGE_FAILED naming `operation` for other bytes.
 absl::StatusOr<v1::DiscoverFrontRequest> ReadDiscoveryRequest(const std::string& operation,

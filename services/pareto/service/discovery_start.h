@@ -18,10 +18,11 @@ namespace mortise::pareto {
 
 inline constexpr char kStartKind[] = "discoveryStarts";  // records: the start by operation id
 
-// The start from `fronts`, those that `specification.start_from` names, in its order: a message
-// with the parameter names and points of designs (warm_start.h), each with the metrics it had where
-// these should be the same now. `specification` has its revision settled. INVALID_ARGUMENT naming
-// "specification.start_from[i]" for a front without points or without a parameter of `problem`.
+// Returns the start from `fronts`, those that `specification.start_from` names, in its order: a
+// message with the parameter names and points of designs (warm_start.h), each with the metrics it
+// had where these should be the same now. `specification` has its revision settled.
+// INVALID_ARGUMENT naming "specification.start_from[i]" for a front without points or without a
+// parameter of `problem`.
 absl::StatusOr<v1::Front> SettleStart(const v1::DiscoverySpecification& specification,
                                       const DiscoveryProblem& problem,
                                       const std::vector<v1::Front>& fronts);
@@ -29,8 +30,8 @@ absl::StatusOr<v1::Front> SettleStart(const v1::DiscoverySpecification& specific
 // Its designs, D x n.
 Eigen::MatrixXd DesignsOf(const v1::Front& start);
 
-// A remark for each metric that is not what it was at the designs of the start: the evaluator
-// changed its answers.
+// Returns a remark for each metric that is not what it was at the designs of the start: the
+// evaluator changed its answers.
 std::vector<std::string> ChangedAnswers(const v1::Front& start, const DiscoveryProblem& problem,
                                         const Archive& archive);
 

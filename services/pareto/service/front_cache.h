@@ -23,8 +23,8 @@ class FrontCache {
   // Keeps up to `capacity` fronts, at least 1.
   explicit FrontCache(std::size_t capacity) : capacity_(capacity) {}
 
-  // The front `name`, without external ids, labels and creator: the one kept, else what `load`
-  // gives, which is kept if it is one. Several threads may load the same front at once.
+  // Returns the front `name`, without external ids, labels and creator: the one kept, else what
+  // `load` gives, which is kept if it is one. Several threads may load the same front at once.
   absl::StatusOr<std::shared_ptr<const OpenFront>> Find(
       const std::string& name, const std::function<absl::StatusOr<v1::Front>()>& load);
 

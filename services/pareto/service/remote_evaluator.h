@@ -54,7 +54,7 @@ class RemoteEvaluator : public Evaluator {
   std::set<grpc::ClientContext*> active_;  // guarded by mutex_
 };
 
-// The design space and metrics of a subject.
+// Returns the design space and metrics of a subject.
 absl::StatusOr<std::unique_ptr<v1::DesignSpace>> DescribeDesignSpace(
     const std::shared_ptr<grpc::Channel>& channel, const v1::DiscoverySpecification& specification,
     const rpc::Origin& origin, const rpc::RetryOptions& retry);

@@ -9,11 +9,11 @@
 
 namespace mortise::retrieval {
 
-// INVALID_ARGUMENT naming "templates" where there are more than 1000, and "templates[2]" that is no
-// name of a template. Whether there is such a template is not asked.
+// Fails with INVALID_ARGUMENT naming "templates" where there are more than 1000, and "templates[2]"
+// that is no name of a template. Whether there is such a template is not asked.
 absl::Status CheckTemplateNames(const google::protobuf::RepeatedPtrField<std::string>& templates);
 
-// A template, or a group of its assembly, as captions have it: "table"; "cabinet, drawer".
+// Returns a template, or a group of its assembly, as captions have it: "table"; "cabinet, drawer".
 std::string ShownName(const std::string& template_name, const std::string& group);
 
 }  // namespace mortise::retrieval

@@ -28,9 +28,9 @@ struct SearchedTemplate {
   std::shared_ptr<const KeptDomain> domain;  // of its parameters
 };
 
-// The groups of the template's assembly that are things by themselves (DistinctSubTrees): each can
-// be got as a template. None for other kinds of templates, and for a sub-tree. It takes up to
-// seconds for assemblies of hundreds of parts.
+// Returns the groups of the template's assembly that are things by themselves (DistinctSubTrees):
+// each can be got as a template. None for other kinds of templates, and for a sub-tree. It takes up
+// to seconds for assemblies of hundreds of parts.
 std::vector<std::string> GroupsOf(const SearchedTemplate& whole);
 
 using bundles::IsPassingFailure;
@@ -42,19 +42,19 @@ class TemplateSource {
   explicit TemplateSource(std::shared_ptr<grpc::Channel> catalog,
                           std::size_t capacity = std::size_t{256} << 20);
 
-  // The latest revisions that meet the filter, by name, without what they are made of. UNAVAILABLE;
-  // INVALID_ARGUMENT as the catalog tells it.
+  // Returns the latest revisions that meet the filter, by name, without what they are made of.
+  // UNAVAILABLE; INVALID_ARGUMENT as the catalog tells it.
   absl::StatusOr<std::vector<v1::Template>> List(const v1::ResourceFilter& filter,
                                                  const rpc::Origin& origin,
                                                  const rpc::RetryOptions& retry = {}) const;
 
-  // All materials/{id} and items/{id} that there are. Fail as List.
+  // Return all materials/{id} and items/{id} that there are. Fail as List.
   absl::StatusOr<std::vector<std::string>> MaterialNames(const rpc::Origin& origin) const;
   absl::StatusOr<std::vector<std::string>> ItemNames(const rpc::Origin& origin) const;
 
-  // The revision, or the latest for 0; the catalog is asked for what is not kept. NOT_FOUND;
-  // INVALID_ARGUMENT naming "template", "template_revision" or "group"; as IsPassingFailure; as
-  // templates::Compile.
+  // Returns the revision, or the latest for 0; the catalog is asked for what is not kept.
+  // NOT_FOUND; INVALID_ARGUMENT naming "template", "template_revision" or "group"; as
+  // IsPassingFailure; as templates::Compile.
   //
   // With a `group` of an assembly template the sub-tree below it, as a template by itself: its
   // parameters are sizes of its own that can be chosen independently, and it has no conditions,

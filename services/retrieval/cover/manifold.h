@@ -17,18 +17,18 @@ struct LinearConstraints {
   Eigen::VectorXd bounds;   // m
 };
 
-// The constraints of a box: lower <= q <= upper, 2 K rows.
+// Returns the constraints of a box: lower <= q <= upper, 2 K rows.
 LinearConstraints BoxConstraints(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
-// What keeps both.
+// Returns what keeps both.
 LinearConstraints BothConstraints(const LinearConstraints& a, const LinearConstraints& b);
 
-// How far q may go along `direction`, as a multiple of it, until it meets a constraint; 0 where it
-// stands on one. Infinity if nothing stops it.
+// Returns how far q may go along `direction`, as a multiple of it, until it meets a constraint; 0
+// where it stands on one. Infinity if nothing stops it.
 double RoomAlong(const LinearConstraints& constraints, const Eigen::VectorXd& q,
                  const Eigen::VectorXd& direction);
 
-// The width of the feasible set along each parameter (K), by two linear programmes each.
+// Returns the width of the feasible set along each parameter (K), by two linear programmes each.
 // FAILED_PRECONDITION if it is unbounded or empty.
 absl::StatusOr<Eigen::VectorXd> ExtentsOf(const LinearConstraints& constraints);
 
@@ -65,15 +65,15 @@ class Manifold {
   // covered apart. Asked only where Evaluate succeeds.
   virtual int Structure(const Eigen::VectorXd& q) const;
 
-  // The error of an evaluation, as a part of what the descriptor changes by over the feasible set:
-  // rounding for a smooth descriptor, much more for one that counts pixels. Central differences
-  // take their steps from it.
+  // Returns the error of an evaluation, as a part of what the descriptor changes by over the
+  // feasible set: rounding for a smooth descriptor, much more for one that counts pixels. Central
+  // differences take their steps from it.
   virtual double noise() const { return 1e-12; }
 
   // Whether DerivativesAt is better than central differences.
   virtual bool OffersDerivatives() const { return false; }
 
-  // The derivatives at q; by default central differences (differences.h).
+  // Returns the derivatives at q; by default central differences (differences.h).
   virtual absl::StatusOr<Derivatives> DerivativesAt(const Eigen::VectorXd& q) const;
 };
 

@@ -32,7 +32,7 @@ class ParallelEvaluator {
   long evaluations() const { return evaluations_; }
   long failures() const { return failures_; }
 
-  // What the first failures said, without repetition; ten at most.
+  // Returns what the first failures said, without repetition; ten at most.
   const std::vector<std::string>& messages() const { return messages_; }
 
  private:

@@ -15,20 +15,20 @@ struct Primitive {
   int structure = 0;           // the structure of the designs that it stands for
 };
 
-// The numbers that are stored for a primitive, in units of a point's: 1 + m (thesis §4.4).
+// Returns the numbers that are stored for a primitive, in units of a point's: 1 + m (thesis §4.4).
 inline int Cost(const Primitive& primitive) { return 1 + static_cast<int>(primitive.axes.cols()); }
 
-// The largest radius; 0 for a point.
+// Returns the largest radius; 0 for a point.
 double LargestRadius(const Primitive& primitive);
 
-// The distance of descriptor `x` (N) from a primitive (thesis §4.5, Figure 4-6): from a point as it
-// is; from a tangent by projection onto its space, and from there to the place on the ellipsoid
-// that lies on the same ray in the ellipsoid's own scale. That place is on the primitive, so the
-// result is never less than the distance to the nearest place, and equals it where x projects into
-// the ellipsoid or the ellipsoid is a sphere. O(N m).
+// Returns the distance of descriptor `x` (N) from a primitive (thesis §4.5, Figure 4-6): from a
+// point as it is; from a tangent by projection onto its space, and from there to the place on the
+// ellipsoid that lies on the same ray in the ellipsoid's own scale. That place is on the primitive,
+// so the result is never less than the distance to the nearest place, and equals it where x
+// projects into the ellipsoid or the ellipsoid is a sphere. O(N m).
 double Distance(const Primitive& primitive, const Eigen::VectorXd& x);
 
-// The place on the primitive (N) that Distance measures to.
+// Returns the place on the primitive (N) that Distance measures to.
 Eigen::VectorXd PlaceNear(const Primitive& primitive, const Eigen::VectorXd& x);
 
 // Never more than Distance: the distance from the centre less the largest radius. O(N).

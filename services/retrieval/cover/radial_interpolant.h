@@ -26,8 +26,8 @@ class RadialInterpolant {
   // f(x), D. O(n (K + D)).
   Eigen::VectorXd At(const Eigen::VectorXd& x) const;
 
-  // How far f would be off at each point if it did not know its value (n), by the diagonal of the
-  // inverse (Rippa 1999).
+  // Returns how far f would be off at each point if it did not know its value (n), by the diagonal
+  // of the inverse (Rippa 1999).
   const Eigen::VectorXd& left_out_errors() const { return left_out_errors_; }
 
  private:

@@ -20,7 +20,8 @@ struct TangentSite {
   std::uint64_t seed = 0;  // of the places between the axes
 };
 
-// A tangent primitive with the first `axes` >= 1 axes of the frame, in descending order of radii.
+// Returns a tangent primitive with the first `axes` >= 1 axes of the frame, in descending order of
+// radii.
 //
 // A point of the manifold near the centre has a foot on the tangent space, and its distance from
 // the foot, d, bounds the foot's distance from the manifold. Along each axis, either way, points

@@ -40,14 +40,14 @@ class TangentFrame {
   // space along the parameters alone, as the thesis takes them; infinite where it is flat.
   const Eigen::VectorXd& curvature_radii() const { return curvature_; }
 
-  // The change of q (K), within the constraints, that brings the descriptor's move nearest to
-  // `move` (r, along the axes) to first order, where q has gone by `from` already and the
+  // Returns the change of q (K), within the constraints, that brings the descriptor's move nearest
+  // to `move` (r, along the axes) to first order, where q has gone by `from` already and the
   // manifold's move is known to fall short by `move` (constrained_step.h).
   absl::StatusOr<Eigen::VectorXd> StepFrom(const Eigen::VectorXd& from,
                                            const Eigen::VectorXd& move) const;
 
-  // The furthest way along the direction `move` (r). Where the Jacobian has lost rank, what moves
-  // nothing helps to stay within the constraints: a linear programme finds out how.
+  // Returns the furthest way along the direction `move` (r). Where the Jacobian has lost rank, what
+  // moves nothing helps to stay within the constraints: a linear programme finds out how.
   absl::StatusOr<Way> WayAlong(const Eigen::VectorXd& move) const;
 
  private:
@@ -64,9 +64,9 @@ class TangentFrame {
   Eigen::VectorXd predicted_, curvature_;
 };
 
-// How many of the first axes pay: m with the largest ∏ max(1, radii[i] / delta) / (m + 1), 0 for a
-// point; the smallest of several. For m of 0 or r alone this is (4.6); a radius below delta covers
-// no more than a point does. `radii` are in descending order.
+// Returns how many of the first axes pay: m with the largest ∏ max(1, radii[i] / delta) / (m + 1),
+// 0 for a point; the smallest of several. For m of 0 or r alone this is (4.6); a radius below delta
+// covers no more than a point does. `radii` are in descending order.
 Eigen::Index AxesThatPay(const Eigen::VectorXd& radii, double delta);
 
 }  // namespace mortise::retrieval

@@ -29,7 +29,7 @@ absl::StatusOr<CanonicalSurface> MakeCanonical(const mesh::SurfaceMesh& surface)
 absl::StatusOr<Eigen::Matrix3Xd> ToReferenceBox(const CanonicalSurface& surface,
                                                 const Eigen::Matrix3Xd& vertices);
 
-// How fast they move there. INVALID_ARGUMENT, "velocities[index]", as above.
+// Returns how fast they move there. INVALID_ARGUMENT, "velocities[index]", as above.
 absl::StatusOr<Eigen::Matrix3Xd> VelocitiesInReferenceBox(const CanonicalSurface& surface,
                                                           const Eigen::Matrix3Xd& velocities,
                                                           Eigen::Index index);

@@ -68,8 +68,8 @@ class BoundDescriptor {
  public:
   virtual ~BoundDescriptor() = default;
 
-  // The descriptor at vertices (3 × V, m), V as in the reference. INVALID_ARGUMENT, "vertices": of
-  // another number, not finite, or so placed that the surface has no area.
+  // Returns the descriptor at vertices (3 × V, m), V as in the reference. INVALID_ARGUMENT,
+  // "vertices": of another number, not finite, or so placed that the surface has no area.
   virtual absl::StatusOr<Eigen::VectorXd> Describe(const Eigen::Matrix3Xd& vertices) const = 0;
 
   // The same with the derivative along each of K fields of velocities, each 3 × V: how the vertices
@@ -91,25 +91,25 @@ class Descriptor {
   virtual absl::StatusOr<std::unique_ptr<BoundDescriptor>> Bind(
       const mesh::SurfaceMesh& surface) const = 0;
 
-  // The vector of a surface, N. Errors as Bind.
+  // Returns the vector of a surface, N. Errors as Bind.
   absl::StatusOr<Eigen::VectorXd> Describe(const mesh::SurfaceMesh& surface) const;
 
   // From the vector of a shape, N, to those of the shape turned by 0, 1, 2 and 3 quarter turns
   // about z, counter-clockwise seen from above: N × 4; N × 1 where turns are not compared.
   virtual Eigen::MatrixXd QuarterTurns(const Eigen::VectorXd& vector) const;
 
-  // The distance of two shapes from their vectors, over the turns of `query`.
+  // Returns the distance of two shapes from their vectors, over the turns of `query`.
   double Distance(const Eigen::VectorXd& query, const Eigen::VectorXd& stored) const;
 };
 
-// What vectors of a descriptor are to be compared with: "d2/1", its name and version.
+// Returns what vectors of a descriptor are to be compared with: "d2/1", its name and version.
 std::string FormatOf(const Descriptor& descriptor);
 
-// The names that MakeDescriptor knows.
+// Returns the names that MakeDescriptor knows.
 std::vector<std::string> DescriptorNames();
 
-// A descriptor by its name, with the thesis's settings. INVALID_ARGUMENT, "descriptor", for a name
-// that is not known, with those that are.
+// Returns a descriptor by its name, with the thesis's settings. INVALID_ARGUMENT, "descriptor", for
+// a name that is not known, with those that are.
 absl::StatusOr<std::unique_ptr<Descriptor>> MakeDescriptor(std::string_view name);
 
 }  // namespace mortise::retrieval

@@ -22,19 +22,20 @@ struct SurfaceFamily {
       velocities = {};
 };
 
-// How the vertices of a family move with each parameter, K fields of 3 × V: what it says itself,
-// otherwise central differences of the vertices (second order one-sided ones at a bound of the
-// box) with steps of 1/1000 of each parameter's range. Those are exact but for rounding where the
-// vertices are linear or quadratic in q, as those of a template converted from a mesh (§4.6.1).
+// Returns how the vertices of a family move with each parameter, K fields of 3 × V: what it says
+// itself, otherwise central differences of the vertices (second order one-sided ones at a bound of
+// the box) with steps of 1/1000 of each parameter's range. Those are exact but for rounding where
+// the vertices are linear or quadratic in q, as those of a template converted from a mesh (§4.6.1).
 //
 // Errors: those of the family; INVALID_ARGUMENT, "q", of another size than the box or outside of
 // it; FAILED_PRECONDITION, TRIANGLES_CHANGE, "q", if the triangles change within the steps.
 absl::StatusOr<std::vector<Eigen::Matrix3Xd>> VertexVelocities(const SurfaceFamily& family,
                                                                const Eigen::VectorXd& q);
 
-// The descriptor M(q) of the family's member at q, with its derivative J, N × K (thesis §4.4.2), by
-// the chain rule: the vertices' velocities, and the descriptor's derivative along them, which is
-// exact for "d2" and "voxel" and a central difference for "light-field" (see their headers).
+// Returns the descriptor M(q) of the family's member at q, with its derivative J, N × K (thesis
+// §4.4.2), by the chain rule: the vertices' velocities, and the descriptor's derivative along them,
+// which is exact for "d2" and "voxel" and a central difference for "light-field" (see their
+// headers).
 //
 // `bound`: the descriptor bound to some member of the family. With one member for all q, what is
 // found at different q belongs to one smooth function. Errors as VertexVelocities and

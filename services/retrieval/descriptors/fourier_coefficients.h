@@ -24,12 +24,12 @@ class FourierCoefficients {
  public:
   explicit FourierCoefficients(int order) : order_(order) {}
 
-  // How many there are: 2 order + 1.
+  // Returns how many there are: 2 order + 1.
   Eigen::Index size() const { return 2 * order_ + 1; }
 
-  // Those of a silhouette of which no row's middle passes through the origin, by k, cosine before
-  // sine. The silhouette lies turned by `turn` (rad, counter-clockwise), and the coefficients are
-  // those before it was turned.
+  // Returns those of a silhouette of which no row's middle passes through the origin, by k, cosine
+  // before sine. The silhouette lies turned by `turn` (rad, counter-clockwise), and the
+  // coefficients are those before it was turned.
   Eigen::VectorXd Of(const Silhouette& silhouette, double turn) const;
 
   // 1 for each coefficient that stays, -1 for each that changes its sign if x does.

@@ -17,11 +17,11 @@ struct View {
   double weight = 1;  // of what is seen there, in the descriptor's vector
 };
 
-// The views from the vertices of two regular dodecahedra, which a quarter turn about z maps onto
-// each other: the one with the vertices (±1, ±1, ±1), (0, ±1/φ, ±φ), (±1/φ, ±φ, 0), (±φ, 0, ±1/φ),
-// and its turn. Opposite vertices see mirrored silhouettes, and the eight cube vertices belong to
-// both: that leaves 4 + 6 + 6 = 16 views. The weights make the square of a distance the mean of the
-// squares that the views of one dodecahedron find, and of that the mean of both.
+// Returns the views from the vertices of two regular dodecahedra, which a quarter turn about z maps
+// onto each other: the one with the vertices (±1, ±1, ±1), (0, ±1/φ, ±φ), (±1/φ, ±φ, 0), (±φ, 0,
+// ±1/φ), and its turn. Opposite vertices see mirrored silhouettes, and the eight cube vertices
+// belong to both: that leaves 4 + 6 + 6 = 16 views. The weights make the square of a distance the
+// mean of the squares that the views of one dodecahedron find, and of that the mean of both.
 std::vector<View> LightFieldViews();
 
 // In which view a shape showed before a quarter turn, counter-clockwise seen from above, what it
@@ -32,7 +32,7 @@ struct EarlierView {
   bool mirrored = false;
 };
 
-// That of each view.
+// Returns that of each view.
 std::vector<EarlierView> ViewsBeforeQuarterTurn();
 
 }  // namespace mortise::retrieval

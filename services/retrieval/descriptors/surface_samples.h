@@ -37,14 +37,15 @@ class SurfaceSamples {
 
   Eigen::Index size() const { return triangle_of_.size(); }
 
-  // The triangle that point i lies on, by its place among those given, and where on it.
+  // Returns the triangle that point i lies on, by its place among those given, and where on it.
   int TriangleOf(Eigen::Index i) const { return numbers_[triangle_of_[i]]; }
   Eigen::Vector3d BarycentricOf(Eigen::Index i) const { return barycentric_.col(i); }
 
-  // The points at these vertices. The weights are all zero if the points' triangles have no area.
+  // Returns the points at these vertices. The weights are all zero if the points' triangles have no
+  // area.
   WeightedPoints At(const Eigen::Matrix3Xd& vertices) const;
 
-  // How they move there, exactly, if the vertices move with `velocities`, 3 × V.
+  // Returns how they move there, exactly, if the vertices move with `velocities`, 3 × V.
   PointVelocities Differentiate(const Eigen::Matrix3Xd& vertices,
                                 const Eigen::Matrix3Xd& velocities) const;
 

@@ -24,12 +24,12 @@ class ZernikeMoments {
  public:
   explicit ZernikeMoments(int order);
 
-  // How many there are: (order + 1)(order + 2) / 2.
+  // Returns how many there are: (order + 1)(order + 2) / 2.
   Eigen::Index size() const { return by_powers_.rows(); }
 
-  // Those of a silhouette in the disc around `centre` of `radius` > 0, by n, then m, cosine before
-  // sine. The silhouette lies turned by `turn` (rad, counter-clockwise), and the moments are those
-  // before it was turned.
+  // Returns those of a silhouette in the disc around `centre` of `radius` > 0, by n, then m, cosine
+  // before sine. The silhouette lies turned by `turn` (rad, counter-clockwise), and the moments are
+  // those before it was turned.
   Eigen::VectorXd Of(const Silhouette& silhouette, const Eigen::Vector2d& centre, double radius,
                      double turn) const;
 

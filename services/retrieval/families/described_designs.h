@@ -30,10 +30,10 @@ class DescribedDesigns {
   DescribedDesigns(std::shared_ptr<const templates::Template> function,
                    std::vector<std::shared_ptr<const Descriptor>> descriptors);
 
-  // The design at q; vectors are in the order of the descriptors.
+  // Returns the design at q; vectors are in the order of the descriptors.
   std::shared_ptr<const DescribedDesign> At(const Eigen::VectorXd& q);
 
-  // How many designs were made.
+  // Returns how many designs were made.
   long made() const;
 
  private:

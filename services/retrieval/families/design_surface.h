@@ -10,9 +10,9 @@
 
 namespace mortise::retrieval {
 
-// The triangles of all parts, one part after the other in the design's order, metres. Where parts
-// touch, both have triangles. Designs of one revision and structure have the same triangles; only
-// the vertices move.
+// Returns the triangles of all parts, one part after the other in the design's order, metres. Where
+// parts touch, both have triangles. Designs of one revision and structure have the same triangles;
+// only the vertices move.
 mesh::SurfaceMesh DesignSurface(const parametric::EvaluatedDesign& design);
 
 // The same of some parts, by name. NOT_FOUND naming a part that the design does not have.

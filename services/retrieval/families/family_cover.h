@@ -7,8 +7,8 @@
 
 namespace mortise::retrieval {
 
-// The δ that an index has if nobody says another: a quarter of how far apart unlike shapes are by
-// the descriptor, which tells kinds of furniture apart in minutes.
+// Returns the δ that an index has if nobody says another: a quarter of how far apart unlike shapes
+// are by the descriptor, which tells kinds of furniture apart in minutes.
 double DefaultDelta(const Descriptor& descriptor);
 
 // Covers one family on one thread, always in the same way, and gives up on families that would take

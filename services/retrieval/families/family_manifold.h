@@ -13,13 +13,13 @@
 
 namespace mortise::retrieval {
 
-// The manifold over all parameters with which the template has a design. The box of their ranges is
-// cut by what the template knows of limits among them (Template::LimitsAmongParameters): for an
-// assembly that leaves the shadow of its FeasibleSet on the lengths that are its parameters, so
-// that each point of it is z that can be chosen, distances to the boundary (thesis 4.5) are those
-// of the feasible set, and what a primitive stores is the template's own parameters. The parameters
-// of an assembly are sizes, linear in z; what they leave open of z the template chooses (F(q) is
-// the design nearest to the drawn one), and a search could not ask for it.
+// Returns the manifold over all parameters with which the template has a design. The box of their
+// ranges is cut by what the template knows of limits among them (Template::LimitsAmongParameters):
+// for an assembly that leaves the shadow of its FeasibleSet on the lengths that are its parameters,
+// so that each point of it is z that can be chosen, distances to the boundary (thesis 4.5) are
+// those of the feasible set, and what a primitive stores is the template's own parameters. The
+// parameters of an assembly are sizes, linear in z; what they leave open of z the template chooses
+// (F(q) is the design nearest to the drawn one), and a search could not ask for it.
 //
 // Designs of one structure are described through one choice of points on one of them, so that the
 // manifold is as smooth as its descriptor; the structures that some of 256 samples have are known

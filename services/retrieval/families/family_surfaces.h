@@ -9,8 +9,8 @@
 
 namespace mortise::retrieval {
 
-// The surfaces of all designs of the template within the domain of its parameters. Safe to share
-// between threads.
+// Returns the surfaces of all designs of the template within the domain of its parameters. Safe to
+// share between threads.
 FitFamily SurfacesOf(std::shared_ptr<const templates::Template> function,
                      const ParameterDomain& domain);
 

@@ -10,8 +10,8 @@
 
 namespace mortise::retrieval {
 
-// A shape from above and the front right, as large as it fits. INVALID_ARGUMENT for an empty
-// surface; sizes in pixels, as render::RenderOptions.
+// Returns a shape from above and the front right, as large as it fits. INVALID_ARGUMENT for an
+// empty surface; sizes in pixels, as render::RenderOptions.
 absl::StatusOr<render::Image> DrawSurface(const mesh::SurfaceMesh& surface,
                                           const render::Color& color, int width, int height);
 
@@ -20,8 +20,8 @@ struct SheetEntry {
   std::string caption;
 };
 
-// A PNG of all in rows, the first, which is the query, in another colour; each as large as it fits
-// into its frame. INVALID_ARGUMENT for no entries or an empty surface.
+// Returns a PNG of all in rows, the first, which is the query, in another colour; each as large as
+// it fits into its frame. INVALID_ARGUMENT for no entries or an empty surface.
 absl::StatusOr<std::string> DrawMatchSheet(const std::vector<SheetEntry>& entries);
 
 // A design as it was fitted, and what is written below it and the query in one place, as how far
@@ -31,9 +31,9 @@ struct FitEntry {
   std::string comparison;
 };
 
-// A PNG with a row for each design, which stands where it does in the query's frame: the query, the
-// design, and both in one place, the query's edges over the design, all three seen from the same
-// side at the same size. INVALID_ARGUMENT for no designs or an empty surface.
+// Returns a PNG with a row for each design, which stands where it does in the query's frame: the
+// query, the design, and both in one place, the query's edges over the design, all three seen from
+// the same side at the same size. INVALID_ARGUMENT for no designs or an empty surface.
 absl::StatusOr<std::string> DrawFitSheet(const SheetEntry& query,
                                          const std::vector<FitEntry>& designs);
 

@@ -21,8 +21,8 @@ struct ParameterDomain {
   LinearConstraints cuts;
 };
 
-// The domain of a template's parameters. Fails as LimitsAmongParameters. It takes up to seconds for
-// assemblies of hundreds of parts.
+// Returns the domain of a template's parameters. Fails as LimitsAmongParameters. It takes up to
+// seconds for assemblies of hundreds of parts.
 absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& design_template);
 
 // A domain that is found when it is first asked for, and kept. Safe to share between threads.

@@ -75,8 +75,8 @@ struct LackingItem {
   double there = 0;
 };
 
-// What a design lacks of the items that the filter names, in the order of what it takes; nothing
-// where what it takes is not known, or items are not asked about.
+// Returns what a design lacks of the items that the filter names, in the order of what it takes;
+// nothing where what it takes is not known, or items are not asked about.
 std::vector<LackingItem> LackingItems(const DesignFilter& filter, const DesignFacts& facts);
 
 }  // namespace mortise::retrieval

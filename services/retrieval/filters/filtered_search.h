@@ -24,9 +24,9 @@ struct FilteredMatches {
   bool ended_early = false;
 };
 
-// The nearest families whose designs meet what is asked: what is left of the list of all that
-// `query` allows, nearest first, each with the design of its nearest primitive, `query.count` at
-// most. `meets` is asked in that order, until there are enough or a limit ends it; its first
+// Returns the nearest families whose designs meet what is asked: what is left of the list of all
+// that `query` allows, nearest first, each with the design of its nearest primitive, `query.count`
+// at most. `meets` is asked in that order, until there are enough or a limit ends it; its first
 // failure is the search's. Fails as PrimitiveIndex::Nearest, too.
 absl::StatusOr<FilteredMatches> NearestThatMeet(
     const PrimitiveIndex& index, IndexQuery query,

@@ -23,8 +23,8 @@ class QuerySearch {
 
   const QueryPoints& points() const { return points_; }
 
-  // The point that is nearest to a place and faces the same way, or may face either, all in the
-  // query's frame.
+  // Returns the point that is nearest to a place and faces the same way, or may face either, all in
+  // the query's frame.
   Eigen::Index Find(const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
 
  private:
@@ -59,7 +59,7 @@ struct AlignmentChange {
   Eigen::VectorXd deviations;
 };
 
-// The parameters, the turn, the translation and the logarithm of the scale: K + 5.
+// Returns the parameters, the turn, the translation and the logarithm of the scale: K + 5.
 Eigen::VectorXd UnknownsOf(const Placement& placement);
 
 // Steps of a fit to a family near one of its members, to first order.

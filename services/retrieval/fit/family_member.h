@@ -28,18 +28,18 @@ struct FamilyMember {
   std::vector<Eigen::Matrix3Xd> velocities;  // K of 3 × V: m by unit of each parameter
   bool meshed_anew = false;  // whether members beside it have other triangles, as those of solids
 
-  // The surface at other parameters, to first order.
+  // Returns the surface at other parameters, to first order.
   mesh::SurfaceMesh At(const Eigen::VectorXd& other) const;
 };
 
-// The box with the cuts.
+// Returns the box with the cuts.
 LinearConstraints ConstraintsOf(const FitFamily& family);
 
-// The parameters within the constraints that are nearest to q, each counted in parts of its range.
-// FAILED_PRECONDITION where there are none.
+// Returns the parameters within the constraints that are nearest to q, each counted in parts of its
+// range. FAILED_PRECONDITION where there are none.
 absl::StatusOr<Eigen::VectorXd> NearestFeasible(const FitFamily& family, const Eigen::VectorXd& q);
 
-// The member at q. Velocities are the family's own; else by differences of vertices over a
+// Returns the member at q. Velocities are the family's own; else by differences of vertices over a
 // thousandth of each range; where triangles differ, as those of solids do, they are how fast the
 // faces move along their normals, by differences over a fiftieth. With `threads`, parameters are
 // looked at in parallel. It makes a member for each parameter, or one more where triangles differ.
@@ -47,10 +47,10 @@ absl::StatusOr<Eigen::VectorXd> NearestFeasible(const FitFamily& family, const E
 absl::StatusOr<FamilyMember> MakeMember(const FitFamily& family, const Eigen::VectorXd& q,
                                         int threads);
 
-// The member at q, with the velocities of one not far away where they still hold: where its surface
-// is, but for a small part of how far it has moved, where these say. That part may be larger where
-// each member is meshed anew, as these take long: whoever goes on from there by the surface as it
-// is needs only a few more steps. Otherwise as MakeMember.
+// Returns the member at q, with the velocities of one not far away where they still hold: where its
+// surface is, but for a small part of how far it has moved, where these say. That part may be
+// larger where each member is meshed anew, as these take long: whoever goes on from there by the
+// surface as it is needs only a few more steps. Otherwise as MakeMember.
 absl::StatusOr<FamilyMember> MoveMember(const FitFamily& family, const FamilyMember& from,
                                         const Eigen::VectorXd& q, int threads);
 

@@ -30,8 +30,8 @@ namespace mortise::retrieval {
 // A surface ready to be fitted to. Immutable; copies share what was prepared.
 class FitQuery {
  public:
-  // The surface, z upwards, in metres where its unit is known. INVALID_ARGUMENT, "query", without a
-  // triangle that has an area, or with indices of no vertex. O(T log T).
+  // Returns the surface, z upwards, in metres where its unit is known. INVALID_ARGUMENT, "query",
+  // without a triangle that has an area, or with indices of no vertex. O(T log T).
   static absl::StatusOr<FitQuery> Create(const mesh::SurfaceMesh& surface);
 
   struct Prepared;
@@ -76,13 +76,13 @@ struct FittedDesign {
   mesh::SurfaceMesh surface;  // of the design, in its own frame
 };
 
-// The member of the family that comes nearest to the query from one of the starts. Distances are
-// the design's metres. What the query does not show of a design keeps the value of its start; with
-// a free scale that may be how large all is. Starts outside of the feasible set begin nearest to
-// it. INVALID_ARGUMENT, "starts", for none or of another size than the family's box; the first
-// failure of the family where it has no member at any start; DEADLINE_EXCEEDED where the time ran
-// out before one start was aligned coarsely; CANCELLED. The same arguments give the same result on
-// any number of threads, but for what time decides.
+// Returns the member of the family that comes nearest to the query from one of the starts.
+// Distances are the design's metres. What the query does not show of a design keeps the value of
+// its start; with a free scale that may be how large all is. Starts outside of the feasible set
+// begin nearest to it. INVALID_ARGUMENT, "starts", for none or of another size than the family's
+// box; the first failure of the family where it has no member at any start; DEADLINE_EXCEEDED where
+// the time ran out before one start was aligned coarsely; CANCELLED. The same arguments give the
+// same result on any number of threads, but for what time decides.
 absl::StatusOr<FittedDesign> FitDesign(const FitQuery& query, const FitFamily& family,
                                        const std::vector<FitStart>& starts,
                                        const FitOptions& options);

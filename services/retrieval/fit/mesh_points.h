@@ -8,12 +8,12 @@
 
 namespace mortise::retrieval {
 
-// The box around points (3 × n, n >= 1).
+// Returns the box around points (3 × n, n >= 1).
 inline Eigen::AlignedBox3d BoxAround(const Eigen::Matrix3Xd& points) {
   return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
 }
 
-// The area of a triangle as a vector along its normal.
+// Returns the area of a triangle as a vector along its normal.
 inline Eigen::Vector3d AreaVector(const Eigen::Matrix3Xd& vertices,
                                   const Eigen::Vector3i& corners) {
   const Eigen::Vector3d a = vertices.col(corners[0]);
@@ -36,8 +36,8 @@ struct MeshPoints {
 // same surface gives the same points. The surface has an area.
 MeshPoints SampleSurface(const mesh::SurfaceMesh& surface, Eigen::Index count);
 
-// The barycentric coordinates, of sum 1, of the point of the triangle's plane (corners in columns)
-// that is nearest to `place`; a little outside of the triangle at most.
+// Returns the barycentric coordinates, of sum 1, of the point of the triangle's plane (corners in
+// columns) that is nearest to `place`; a little outside of the triangle at most.
 Eigen::Vector3d BarycentricOf(const Eigen::Matrix3d& corners, const Eigen::Vector3d& place);
 
 }  // namespace mortise::retrieval

@@ -26,7 +26,7 @@ class OrientedPoints {
   };
   Nearest Find(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
-  // The nearer of those for the normal and for its opposite: for what may face either way.
+  // Returns the nearer of those for the normal and for its opposite: for what may face either way.
   Nearest FindEitherWay(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:

@@ -15,7 +15,7 @@ class SurfaceDistances {
   explicit SurfaceDistances(const mesh::SurfaceMesh& surface);
   ~SurfaceDistances();
 
-  // The distance of each point, 3 × n, m.
+  // Returns the distance of each point, 3 × n, m.
   Eigen::VectorXd From(const Eigen::Matrix3Xd& points) const;
 
  private:
@@ -29,7 +29,7 @@ struct DistanceSummary {
   double percentile_95 = 0;     // m: 95 of 100 points are no further
 };
 
-// Both 0 of no distances.
+// Returns 0 for both of no distances.
 DistanceSummary Summarize(Eigen::VectorXd distances);
 
 }  // namespace mortise::retrieval

@@ -26,8 +26,8 @@ struct WeldedSurface {
 // coordinates that are not finite are left out. O(T log T).
 absl::StatusOr<WeldedSurface> Weld(const mesh::SurfaceMesh& surface);
 
-// The standard deviation of noise that the vertices have along the normal, estimated by how far
-// they lie from the middle of those around them, or, where that is much less, by how far the
+// Returns the standard deviation of noise that the vertices have along the normal, estimated by how
+// far they lie from the middle of those around them, or, where that is much less, by how far the
 // neighbours of triangles are out of their planes, medians both; m. Next to nothing on smooth
 // surfaces, whatever their edges, and however few and large their triangles are: a mesh most of
 // whose triangles lie in the plane of a neighbour has no noise. 0 for what has few vertices within.

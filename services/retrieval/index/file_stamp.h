@@ -18,7 +18,7 @@ struct FileStamp {
   bool operator==(const FileStamp&) const = default;
 };
 
-// The stamp of what lies at `path` now; of nothing all zeros.
+// Returns the stamp of what lies at `path` now; of nothing all zeros.
 FileStamp StampOf(const std::filesystem::path& path);
 
 }  // namespace mortise::retrieval

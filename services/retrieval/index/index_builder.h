@@ -9,7 +9,7 @@
 
 namespace mortise::retrieval {
 
-// What PrimitiveIndex::Build makes, and fails with.
+// Returns what PrimitiveIndex::Build makes, and fails with.
 absl::StatusOr<OwnedArrays> BuildArrays(std::vector<FamilyCover> covers);
 
 }  // namespace mortise::retrieval

@@ -5,8 +5,8 @@
 
 namespace mortise::retrieval {
 
-// True if sizes are those of the arrays and every place that an entry refers to lies in its array,
-// so that a search reads nothing else and comes to an end. O(primitives + nodes).
+// Returns whether sizes are those of the arrays and every place that an entry refers to lies in its
+// array, so that a search reads nothing else and comes to an end. O(primitives + nodes).
 bool AreConsistent(const IndexArrays& arrays);
 
 }  // namespace mortise::retrieval

@@ -26,8 +26,8 @@ struct StoredIndex {
   std::string about;     // what the writer said
 };
 
-// The bytes of an index's file. `descriptor` names the descriptor with everything that its numbers
-// depend on, "d2/1". `about` is the writer's: which families the numbers stand for.
+// Returns the bytes of an index's file. `descriptor` names the descriptor with everything that its
+// numbers depend on, "d2/1". `about` is the writer's: which families the numbers stand for.
 // INVALID_ARGUMENT for a name that is empty or too long.
 absl::StatusOr<std::string> IndexBytes(const PrimitiveIndex& index, std::string_view descriptor,
                                        std::string_view about);

@@ -19,8 +19,8 @@ struct BoxOffset {
   double box_square = 0;     // of the distance from the box, which is convex
 };
 
-// The offset of `x` from the primitive's box; what of it lies within, from the centre along each
-// axis, is written to `within`, with room for as many numbers as there are axes.
+// Returns the offset of `x` from the primitive's box; what of it lies within, from the centre along
+// each axis, is written to `within`, with room for as many numbers as there are axes.
 BoxOffset OffsetFromBox(const IndexArrays& arrays, const PrimitiveEntry& primitive, const double* x,
                         double* offset, double* within);
 

@@ -68,18 +68,18 @@ class PrimitiveIndex {
   // Over arrays that `owner` keeps (index_file.h).
   PrimitiveIndex(IndexArrays arrays, std::shared_ptr<const void> owner);
 
-  // The nearest families, nearest first; of equal distances the smaller family number first, and
-  // within a family the primitive with the smaller number, then the smaller turn. Fewer than
-  // `count` if fewer are allowed. Equal to LinearScan, to the bit. INVALID_ARGUMENT: count < 1, no
-  // or more than four descriptors, of wrong size or not finite.
+  // Returns the nearest families, nearest first; of equal distances the smaller family number
+  // first, and within a family the primitive with the smaller number, then the smaller turn. Fewer
+  // than `count` if fewer are allowed. Equal to LinearScan, to the bit. INVALID_ARGUMENT: count <
+  // 1, no or more than four descriptors, of wrong size or not finite.
   absl::StatusOr<std::vector<IndexMatch>> Nearest(const IndexQuery& query,
                                                   IndexEffort* effort = nullptr) const;
 
   // The same by looking at every primitive: for tests and benches.
   absl::StatusOr<std::vector<IndexMatch>> LinearScan(const IndexQuery& query) const;
 
-  // The primitive of a match of this index: what was given to Build, but for rounding of centre and
-  // axes to floats. O(N m).
+  // Returns the primitive of a match of this index: what was given to Build, but for rounding of
+  // centre and axes to floats. O(N m).
   Primitive PrimitiveOf(const IndexMatch& match) const;
 
   Eigen::Index dimension() const { return arrays_.sizes.dimension; }

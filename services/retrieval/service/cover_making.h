@@ -18,7 +18,7 @@ namespace mortise::retrieval {
 // workers of another version make none.
 inline constexpr char kCoverVersion[] = "cover 4";
 
-// SHA-256 of all that a cover depends on; `content` is SearchedTemplate::digest.
+// Returns the SHA-256 of all that a cover depends on; `content` is SearchedTemplate::digest.
 std::string CoverDigest(const Descriptor& descriptor, double delta, const std::string& content);
 
 // A cover, and its file: an index of the one family 0. No file where it has a fault.

@@ -51,8 +51,8 @@ class CoverQueue {
   // notice when they renew, and their reports are refused; covers that were reported are kept.
   absl::Status CancelOthers(const std::set<std::string>& keys);
 
-  // How many tasks have not ended. Fails with why a task failed that a build cannot do without.
-  // Puts aside, as covers with a fault, what ended five workers without a report.
+  // Returns how many tasks have not ended. Fails with why a task failed that a build cannot do
+  // without. Puts aside, as covers with a fault, what ended five workers without a report.
   absl::StatusOr<std::int64_t> CountUnfinished();
 
   // Whether a task has ended in this build.
@@ -63,7 +63,7 @@ class CoverQueue {
 
   // ---- For workers ----
 
-  // A task for the worker, with those covers that are not there yet; nothing if none waits.
+  // Returns a task for the worker, with those covers that are not there yet; nothing if none waits.
   absl::StatusOr<std::optional<v1::CoverTask>> Lease(const std::string& worker,
                                                      absl::Duration lease);
 
@@ -75,7 +75,7 @@ class CoverQueue {
   absl::Status Report(const std::string& key, const v1::ReportCoverRequest& report,
                       absl::Duration lease);
 
-  // Who waits for a task.
+  // Returns who waits for a task.
   rpc::IdleWorkers& idle_workers() { return *idle_workers_; }
 
  private:

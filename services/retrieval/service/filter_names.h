@@ -18,8 +18,8 @@ namespace mortise::retrieval {
 absl::Status CheckFilterNames(const v1::SearchShapesRequest& request, const v1::ShapeIndex& index,
                               const TemplateSource& templates, const rpc::Origin& origin);
 
-// Which part of the filter leaves how many, for a search that has found nothing: a sentence or two
-// for people. `looked_at`: designs that `tally` counts.
+// Returns which part of the filter leaves how many, for a search that has found nothing: a sentence
+// or two for people. `looked_at`: designs that `tally` counts.
 std::string WhyNothingIsFound(const SearchFilter& filter, const v1::ShapeIndex& index,
                               const FilterTally& tally, int looked_at);
 

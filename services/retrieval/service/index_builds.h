@@ -19,11 +19,11 @@ inline constexpr char kUpkeepCreator[] = "services/retrieval";
 // Of templates, by name.
 using Revisions = std::map<std::string, std::int64_t>;
 
-// What tells builds of the service apart by the templates that they were started for.
+// Returns what tells builds of the service apart by the templates that they were started for.
 operations::OperationTags TagsOf(const Revisions& templates);
 
-// The name of an operation that builds the index of a descriptor, or waits to; nothing if there is
-// none.
+// Returns the name of an operation that builds the index of a descriptor, or waits to; nothing if
+// there is none.
 absl::StatusOr<std::optional<std::string>> BuildUnderWay(operations::Operations& operations,
                                                          v1::ShapeDescriptor descriptor);
 

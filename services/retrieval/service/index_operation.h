@@ -27,7 +27,7 @@ namespace mortise::retrieval {
 class BuildTurn;
 class CoverQueue;
 
-// INVALID_ARGUMENT naming each field at fault.
+// Fails with INVALID_ARGUMENT naming each field at fault.
 absl::Status CheckRequest(const v1::BuildIndexRequest& request);
 
 // An index that is being built.

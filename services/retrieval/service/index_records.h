@@ -32,29 +32,29 @@ inline constexpr int kIndexFormat = 2;
 // "d2", "voxel", "light-field"; the id of the descriptor's index. D2 where it is unspecified.
 std::string IndexIdOf(v1::ShapeDescriptor descriptor);
 
-// Every descriptor there is, in a fixed order.
+// Returns every descriptor there is, in a fixed order.
 std::vector<v1::ShapeDescriptor> AllShapeDescriptors();
 
 // Whether an index or a cover says what this version of the service says, and by a descriptor that
 // computes what this one does.
 bool IsOfThisVersion(const v1::ShapeIndex& record, const Descriptor& descriptor);
 
-// The cover of a family as this version writes it, without a file yet.
+// Returns the cover of a family as this version writes it, without a file yet.
 v1::ShapeIndex EmptyCover(v1::ShapeDescriptor kind, double delta, const Descriptor& descriptor,
                           const v1::ShapeIndex::Family& family);
 
-// The cover of a template, or of a group of its assembly, by an index's id, if there is one.
-// STORAGE_FAILED for a damaged record.
+// Returns the cover of a template, or of a group of its assembly, by an index's id, if there is
+// one. STORAGE_FAILED for a damaged record.
 absl::StatusOr<std::optional<v1::ShapeIndex>> FindCover(store::ReadTransaction& transaction,
                                                         const std::string& index,
                                                         const std::string& template_name,
                                                         const std::string& group);
 
-// The covers of an index, by name of their templates, the whole before its groups.
+// Returns the covers of an index, by name of their templates, the whole before its groups.
 absl::StatusOr<std::vector<v1::ShapeIndex>> ListCovers(store::ReadTransaction& transaction,
                                                        const std::string& index);
 
-// Those of the groups of one template alone.
+// Returns those of the groups of one template alone.
 absl::StatusOr<std::vector<v1::ShapeIndex>> ListGroupCovers(store::ReadTransaction& transaction,
                                                             const std::string& index,
                                                             const std::string& template_name);
@@ -77,8 +77,8 @@ absl::Status PutIndex(store::Transaction& transaction, const v1::ShapeIndex& ind
 // Stores a file; its digest. One that was damaged since it was stored is written again.
 absl::StatusOr<std::string> StoreCoverFile(store::BlobFolder& blobs, std::string_view bytes);
 
-// The primitives of a cover, as family 0. Fails as ReadIndex; DATA_LOSS where the file has others
-// than it says, or is not of one family.
+// Returns the primitives of a cover, as family 0. Fails as ReadIndex; DATA_LOSS where the file has
+// others than it says, or is not of one family.
 absl::StatusOr<FamilyCover> ReadCover(store::BlobFolder& blobs, const std::string& sha256,
                                       const Descriptor& descriptor);
 

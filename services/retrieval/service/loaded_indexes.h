@@ -37,12 +37,12 @@ class LoadedIndexes {
   // Both outlive it.
   LoadedIndexes(store::Store* store, store::BlobFolder* blobs, Reader read = ReadIndex);
 
-  // The index of a descriptor as it is stored now. A file that was touched since it was read is
-  // read and checked again. FAILED_PRECONDITION: INDEX_MISSING, where there is none; INDEX_EMPTY,
-  // where it has no template; INDEX_DAMAGED,
-  // where its file is damaged, gone or of another version, and building it again mends it;
-  // INDEX_OUTDATED, where its record is of an earlier version, which the service is about to bring
-  // up by itself. None of these is ever answered from.
+  // Returns the index of a descriptor as it is stored now. A file that was touched since it was
+  // read is read and checked again. FAILED_PRECONDITION: INDEX_MISSING, where there is none;
+  // INDEX_EMPTY, where it has no template; INDEX_DAMAGED, where its file is damaged, gone or of
+  // another version, and building it again mends it; INDEX_OUTDATED, where its record is of an
+  // earlier version, which the service is about to bring up by itself. None of these is ever
+  // answered from.
   absl::StatusOr<std::shared_ptr<const LoadedIndex>> Get(v1::ShapeDescriptor descriptor);
 
  private:

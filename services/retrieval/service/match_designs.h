@@ -24,7 +24,7 @@ struct MatchDesign {
   parametric::EvaluatedDesign design;
 };
 
-// The design of a family at the parameters of a match. Fails as TemplateSource::Get and
+// Returns the design of a family at the parameters of a match. Fails as TemplateSource::Get and
 // templates::Template::Evaluate.
 absl::StatusOr<MatchDesign> DesignOf(const IndexMatch& match, const LoadedIndex& index,
                                      TemplateSource& templates, const rpc::Origin& origin);

@@ -22,7 +22,7 @@ struct QueryShape {
   bool unit_is_known = true;       // rather than guessed, or not even that
 };
 
-// The shape that a request describes. INVALID_ARGUMENT naming "mesh.file", "mesh.upload",
+// Returns the shape that a request describes. INVALID_ARGUMENT naming "mesh.file", "mesh.upload",
 // "mesh.length_unit", "design.template", "design.parameters[0]" and so on, or "query" where there
 // is none; NOT_FOUND; as the reader of meshes and the catalog.
 absl::StatusOr<QueryShape> ReadQuery(const v1::SearchShapesRequest& request,

@@ -24,8 +24,8 @@ struct SearchFilter {
 // The label of templates whose values are categories.
 inline constexpr char kCategoryLabel[] = "category";
 
-// What a request filters by. INVALID_ARGUMENT naming each of "templates[0]", "filter.labels",
-// "categories", "design_filter.max_size.x" and so on that is at fault.
+// Returns what a request filters by. INVALID_ARGUMENT naming each of "templates[0]",
+// "filter.labels", "categories", "design_filter.max_size.x" and so on that is at fault.
 absl::StatusOr<SearchFilter> ReadSearchFilter(const v1::SearchShapesRequest& request);
 
 // Whether a family of an index may be found, as far as can be told without making designs of it.

@@ -34,7 +34,8 @@ class UploadedMeshes {
   // or is refused.
   std::unique_ptr<rpc::UploadReader<v1::Chunk, v1::UploadMeshResponse>> Receive() const;
 
-  // The bytes of a mesh that was uploaded. INVALID_ARGUMENT, "upload", for one that was not.
+  // Returns the bytes of a mesh that was uploaded. INVALID_ARGUMENT, "upload", for one that was
+  // not.
   absl::StatusOr<std::string> Get(const std::string& sha256) const;
 
  private:

@@ -10,8 +10,8 @@
 
 namespace mortise::simulator {
 
-// INVALID_ARGUMENT naming "difference_step" unless it is 0, or 1e-6 to 0.1 where gradients are
-// wanted; naming "points" where too many designs would be evaluated.
+// Fails with INVALID_ARGUMENT naming "difference_step" unless it is 0, or 1e-6 to 0.1 where
+// gradients are wanted; naming "points" where too many designs would be evaluated.
 absl::Status CheckDifferences(const v1::EvaluateBatchRequest& asked, int parameters);
 
 // What is added to a parameter for two more designs: in its unit, neither of them 0. Both are 0 for

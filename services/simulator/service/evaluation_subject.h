@@ -30,10 +30,11 @@ absl::StatusOr<EvaluationSubject> FindSubject(SimulatorCore& core, const std::st
                                               const v1::MetricDefinitions& definitions,
                                               const rpc::Origin& origin);
 
-// INVALID_ARGUMENT naming "metrics[i]" (or "metrics" if there are none) unless all are offered.
+// Fails with INVALID_ARGUMENT naming "metrics[i]" (or "metrics" if there are none) unless all are
+// offered.
 absl::Status CheckMetrics(const v1::DesignSpace& space, const std::vector<std::string>& metrics);
 
-// INVALID_ARGUMENT naming "`field`.parameters[k]" unless the point is within the space.
+// Fails with INVALID_ARGUMENT naming "`field`.parameters[k]" unless the point is within the space.
 absl::Status CheckPoint(const v1::DesignSpace& space, const v1::DesignPoint& point,
                         const std::string& field);
 

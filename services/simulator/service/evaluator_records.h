@@ -19,8 +19,9 @@ inline constexpr resources::Collection<v1::Evaluator> kEvaluators{
 // Whether a subject or queue has the form of an evaluator's name: "evaluators/…".
 bool IsEvaluatorName(const std::string& name);
 
-// INVALID_ARGUMENT naming the field of the first fault, "evaluator.space.parameters[2].minimum",
-// and those of all that is wrong with external ids and labels, "evaluator.labels".
+// Fails with INVALID_ARGUMENT naming the field of the first fault,
+// "evaluator.space.parameters[2].minimum", and those of all that is wrong with external ids and
+// labels, "evaluator.labels".
 absl::Status CheckEvaluator(const v1::Evaluator& evaluator);
 
 // Writes a checked evaluator and tells of it ("evaluator.created"). One that is there and has the

@@ -58,7 +58,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
                                                  const std::string& worker, int limit,
                                                  absl::Duration lease);
 
-  // Who waits for work.
+  // Returns who waits for work.
   rpc::IdleWorkers& idle_workers() { return *idle_workers_; }
 
   // Tells of work, and asks those who wait for it.

@@ -13,7 +13,7 @@
 
 namespace mortise::simulator {
 
-// INVALID_ARGUMENT naming "`field`.stage", ".done" or ".total".
+// Fails with INVALID_ARGUMENT naming "`field`.stage", ".done" or ".total".
 absl::Status CheckProgress(const v1::TaskProgress& progress, const std::string& field);
 
 // Keeps what an attempt tells. Within an attempt `done` never falls: what says less is left out. To

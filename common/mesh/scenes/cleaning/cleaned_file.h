@@ -26,8 +26,8 @@ struct CleanedFile {
   std::vector<std::string> notes;  // whole sentences for people
 };
 
-// Each refuses a damaged file by INVALID_ARGUMENT, "file", with the line or element at fault, and
-// more than kMaxSceneTriangles by RESOURCE_EXHAUSTED.
+// Each refuses a damaged file by INVALID_ARGUMENT, "file", with the line or element at
+// fault, and more than kMaxSceneTriangles by RESOURCE_EXHAUSTED.
 absl::StatusOr<CleanedFile> CleanObj(std::string_view bytes);
 absl::StatusOr<CleanedFile> CleanOff(std::string_view bytes);
 absl::StatusOr<CleanedFile> CleanPly(std::string_view bytes);

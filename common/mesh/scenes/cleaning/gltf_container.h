@@ -24,15 +24,15 @@ struct GltfContainer {
 absl::StatusOr<GltfContainer> OpenGlb(std::string_view bytes);
 absl::StatusOr<GltfContainer> OpenGltf(std::string_view json);
 
-// A GLB of a document and the bytes of its one buffer.
+// Returns a GLB of a document and the bytes of its one buffer.
 std::string WriteGlb(const nlohmann::json& document, std::string_view data);
 
-// The whole number at `key` of an object, or `absent` if it has none. INVALID_ARGUMENT, "file", for
-// another value, and one beyond 32 bits.
+// Returns the whole number at `key` of an object, or `absent` if it has none. INVALID_ARGUMENT,
+// "file", for another value, and one beyond 32 bits.
 absl::StatusOr<std::uint64_t> GltfNumber(const nlohmann::json& object, const char* key,
                                          std::uint64_t absent);
 
-// The array at `key` of an object; an empty one if there is none.
+// Returns the array at `key` of an object; an empty one if there is none.
 const nlohmann::json& GltfArray(const nlohmann::json& object, const char* key);
 
 }  // namespace mortise::mesh

@@ -51,7 +51,7 @@ class ObjectText {
 // Says that all components became one, as there are more than kMaxSceneComponents.
 std::string TooManyComponents(std::size_t count);
 
-// INVALID_ARGUMENT, "file": "line 12: what".
+// Returns INVALID_ARGUMENT, "file": "line 12: what".
 absl::Status FaultAtLine(long line, std::string_view what);
 
 }  // namespace mortise::mesh

@@ -31,7 +31,7 @@ struct PlyElement {
 
   bool HasLists() const;
   std::size_t Size() const;  // bytes of one that has no lists
-  // The index of the first property with one of these names, or -1.
+  // Returns the index of the first property with one of these names, or -1.
   int Find(std::string_view name, std::string_view synonym = "") const;
 };
 

@@ -10,7 +10,7 @@ namespace mortise::mesh {
 inline constexpr std::size_t kStlHeader = 84;  // bytes: a free text and the number of facets
 inline constexpr std::size_t kStlFacet = 50;   // bytes
 
-// The number of facets that a binary STL file declares; 0 if it is too short to.
+// Returns the number of facets that a binary STL file declares; 0 if it is too short to.
 inline std::uint64_t DeclaredStlFacets(std::string_view bytes) {
   std::uint32_t count = 0;
   if (bytes.size() < kStlHeader) return 0;

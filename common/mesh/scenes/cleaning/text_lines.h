@@ -15,7 +15,7 @@ class TextLines {
  public:
   explicit TextLines(std::string_view text) : rest_(text) {}
 
-  // The next line without its end; nothing at the end of the text.
+  // Returns the next line without its end; nothing at the end of the text.
   std::optional<std::string_view> Next() {
     if (rest_.empty()) return std::nullopt;
     ++number_;
@@ -29,7 +29,7 @@ class TextLines {
     return line;
   }
 
-  // The number of the line that was read last, from 1.
+  // Returns the number of the line that was read last, from 1.
   long number() const { return number_; }
 
  private:
@@ -44,7 +44,7 @@ inline std::string_view Trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
 }
 
-// What stands before a comment.
+// Returns what stands before a comment.
 inline std::string_view WithoutComment(std::string_view line) {
   return line.substr(0, line.find('#'));
 }
@@ -63,7 +63,7 @@ inline std::string_view TakeWord(std::string_view& line) {
   return word;
 }
 
-// A whole number that fills the word; nothing for another word, or one beyond `Number`.
+// Returns a whole number that fills the word; nothing for another word, or one beyond `Number`.
 template <typename Number>
 std::optional<Number> WholeNumber(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -73,8 +73,8 @@ std::optional<Number> WholeNumber(std::string_view word) {
   return number;
 }
 
-// A decimal number that fills the word, also NaN and infinity; nothing for another word. Numbers
-// beyond double precision are infinite, or 0.
+// Returns a decimal number that fills the word, also NaN and infinity; nothing for another word.
+// Numbers beyond double precision are infinite, or 0.
 inline std::optional<double> DecimalNumber(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double number = 0;
