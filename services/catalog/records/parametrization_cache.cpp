@@ -23,7 +23,7 @@ std::string KeyOf(const v1::Assembly& assembly, const std::string& group) {
 absl::StatusOr<Parametrization> ParametrizeNow(const v1::AssemblyBundle& bundle,
                                                const std::function<bool()>& is_given_up,
                                                const std::string& group) {
-  MORTISE_RETURN_IF_ERROR(CheckTogether(bundle.shapes()));
+  MORTISE_RETURN_IF_ERROR(CheckShapesTogether(bundle.shapes()));
   return parametric::Parametrize(bundle, is_given_up, group);
 }
 

@@ -20,7 +20,7 @@ class ParametrizationCache {
 
   // Returns the assembly of a frozen bundle, by its name and digest: from before, or parametrised
   // now, once for all who ask. `complete` adds what that takes and the bundle need not have: its
-  // shapes. With a `group`, the sub-tree below it. Fails as `complete`, CheckTogether and
+  // shapes. With a `group`, the sub-tree below it. Fails as `complete`, CheckShapesTogether and
   // parametric::Parametrize do.
   absl::StatusOr<templates::Parametrization> Get(
       v1::AssemblyBundle bundle, const std::function<bool()>& is_given_up,

@@ -59,7 +59,7 @@ void NameWhatDoesNotFit(v1::TemplateBundle& bundle);
 
 // Fails with INVALID_ARGUMENT, "parts": shapes that together are more than whoever evaluates the
 // design takes.
-absl::Status CheckTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
+absl::Status CheckShapesTogether(const google::protobuf::RepeatedPtrField<v1::Shape>& shapes);
 
 // Returns what is wrong with an item's shape, given the shapes there are: none of this name, or
 // another size than the item fixes.
