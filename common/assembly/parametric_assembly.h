@@ -100,6 +100,9 @@ class ParametricAssembly {
   // freedom² · parameters).
   FeasibleSet FreeInSpace() const { return feasible_set_->FreedAlong(Translations()); }
 
+  // Returns what places the connecting elements once the principals stand.
+  const ConnectionPlacement& placement() const { return *placement_; }
+
   // Returns what holds the principal elements together: see FindConnections.
   const std::vector<ElementConnection>& connections() const { return placement_->connections(); }
 

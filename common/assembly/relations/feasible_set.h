@@ -75,6 +75,10 @@ class FeasibleSet {
   // Returns the inequalities that bear on z, none parallel to a tighter one.
   const std::vector<Relationship>& inequalities() const { return inequalities_; }
 
+  // Returns the same in z: normals · z <= slacks, in rows of unit length.
+  const Eigen::MatrixXd& normals() const { return normals_; }
+  const Eigen::VectorXd& slacks() const { return slacks_; }
+
   // Returns which relationships, of all that were given, q breaks by more than `tolerance`, m.
   std::vector<Violation> Violations(const Eigen::VectorXd& q, double tolerance) const;
 
