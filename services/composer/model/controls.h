@@ -2,13 +2,13 @@
 // (thesis §5.3).
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/assembly/polyhedra/linear_form.h"
 #include "services/composer/model/design.h"
+#include "services/composer/model/drag_space.h"
 
 namespace mortise::composer {
 
@@ -35,10 +35,14 @@ struct Control {
 // programmes.
 absl::StatusOr<std::vector<Control>> ControlsOf(const Design& design, const std::string& node);
 
+// The same, with what dragging takes of the design's structure at hand.
+absl::StatusOr<std::vector<Control>> ControlsOf(std::shared_ptr<const DragSpace> space,
+                                                const Design& design, const std::string& node);
+
 // Returns the design nearest to this one in which the control has the value, m, or comes as near to
 // it as it can: (5.1) in the limit α → 0. Connecting parts go where their connections want them.
-// Relationships hold to 1e-9 m. INVALID_ARGUMENT, "node", as above; "control" where it is not among
-// the node's controls; "value" if it is not finite.
+// Relationships hold to 1e-9 m. For many values see node_drag.h. INVALID_ARGUMENT, "node", as
+// above; "control" where it is not among the node's controls; "value" if it is not finite.
 absl::StatusOr<Design> Drag(const Design& design, const std::string& node, ControlKind kind,
                             Axis axis, double value);
 
