@@ -211,6 +211,8 @@ Drawing MakeDrawing(v1::AssemblyBundle bundle) {
   assembly.clear_digest();
   v1::AssemblyBundle content = bundle;
   content.clear_shapes();  // their names say what they are
+  // When a catalog took them makes no other drawing: a script gives the same one everywhere.
+  parametric::ClearRevisions(*content.mutable_items(), *content.mutable_materials());
   return {parametric::MessageDigest(content), std::move(bundle)};
 }
 

@@ -24,7 +24,7 @@ struct Drawing {
 std::set<std::string> ShapesUsed(const v1::AssemblyBundle& bundle);
 
 // Gives a bundle its digest. What is no content of the assembly (revision, tags, times) is left
-// out.
+// out, and so are those of items and materials in the digest.
 Drawing MakeDrawing(v1::AssemblyBundle bundle);
 
 // Returns the assembly as a struct. INVALID_ARGUMENT as parametric::FromProto.

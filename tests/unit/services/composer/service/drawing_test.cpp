@@ -95,7 +95,14 @@ TEST(Drawing, OfTagsAndRevisionsIsTheSame) {
   bundle.mutable_assembly()->set_revision(7);
   bundle.mutable_assembly()->add_external_ids("100-4711/A");
   (*bundle.mutable_assembly()->mutable_labels())["customer"] = "acme";
+  bundle.mutable_items(0)->set_revision(3);
+  bundle.mutable_items(0)->mutable_create_time()->set_seconds(1795000000);
+  bundle.mutable_items(0)->mutable_update_time()->set_seconds(1795000001);
+  bundle.mutable_items(0)->set_creator("ada");
+  bundle.mutable_materials(0)->mutable_create_time()->set_seconds(1795000000);
   EXPECT_EQ(MakeDrawing(bundle).digest, plain.digest);
+  bundle.mutable_items(0)->mutable_price()->set_amount(4711);
+  EXPECT_NE(MakeDrawing(bundle).digest, plain.digest);
 }
 
 TEST(Drawing, IsNotMadeOfItemsThatDiffer) {
