@@ -20,6 +20,7 @@ void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
 void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
 void AddComposeCommands(CLI::App& app, Session& session);            // compose new|add|snap …
+void AddComposeRunCommand(CLI::App& compose, Session& session);      // of those
 void AddPlanCommand(CLI::App& app, Session& session);                // plan
 void AddFabCommands(CLI::App& app, Session& session);   // fab release|list|watch|show|hold|resume
 void AddListCommand(CLI::App& app, Session& session);   // list

@@ -446,6 +446,7 @@ void AddComposeCommands(CLI::App& app, Session& session) {
   AddHistoryCommand(compose, session, "redo", "Take back what was undone last", &Stub::RedoModel);
   AddForkAndDelete(compose, session);
   AddSave(compose, session);
+  AddComposeRunCommand(compose, session);
 }
 
 }  // namespace mortise::cli
