@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -155,6 +156,41 @@ TEST(Standing, OnALineAndOnAPoint) {
   const Solids top{Turned({{1e-9, 0}, {0.1, 0.1}}, 16)};
   EXPECT_NEAR(StandOnFloor(top, {0.03, 0.04, 0.07}).margin, -0.05, 1e-6);
   EXPECT_EQ(StandOnFloor({}, Vector3d::Zero()).margin, 0);
+}
+
+TEST(Standing, FallsOverTheNearestEdge) {
+  const Solids box{BoxSurface({-0.2, -0.3, 1}, {0.2, 0.3, 2})};
+  EXPECT_TRUE(StandOnFloor(box, {0.05, 0, 1.5}).falls_towards.isApprox(Eigen::Vector2d(1, 0)));
+  EXPECT_TRUE(StandOnFloor(box, {0, -0.25, 1.5}).falls_towards.isApprox(Eigen::Vector2d(0, -1)));
+  // Beyond a corner it falls away from the corner.
+  EXPECT_TRUE(
+      StandOnFloor(box, {0.5, 0.7, 1.5}).falls_towards.isApprox(Eigen::Vector2d(0.6, 0.8), 0.1));
+}
+
+TEST(Standing, IsOnTheCornersOfWhatTouchesTheFloor) {
+  const Support support = SupportOf(Solids{BoxSurface({0, 0, 0.5}, {0.1, 0.1, 1}),
+                                           BoxSurface({0.9, 0.9, 0.5}, {1, 1, 1}),
+                                           BoxSurface({-1, -1, 0.6}, {2, 2, 1})});
+  EXPECT_EQ(support.floor, 0.5);
+  EXPECT_EQ(support.corners.cols(), 6);
+  EXPECT_TRUE(support.corners.rowwise().minCoeff().isZero());
+  EXPECT_TRUE(support.corners.rowwise().maxCoeff().isOnes());
+  EXPECT_EQ(SupportOf({}).corners.cols(), 0);
+}
+
+// A force that is as far beyond an edge as the weight is within it tips at the weight.
+TEST(Standing, TipsWhereTheMomentsAreEqual) {
+  const Support support = SupportOf(Solids{BoxSurface({0, 0, 0}, {1, 1, 1})});
+  const Vector3d middle(0.5, 0.5, 0.5);
+  EXPECT_NEAR(TippingForce(support, middle, 100, {1.5, 0.5}), 100, 1e-9);
+  EXPECT_NEAR(TippingForce(support, middle, 100, {1.25, 0.5}), 200, 1e-9);
+  EXPECT_NEAR(TippingForce(support, middle, 100, {0.5, -0.1}), 500, 1e-9);
+  // Beyond two edges it tips over the one that it is further beyond.
+  EXPECT_NEAR(TippingForce(support, middle, 100, {1.5, 1.25}), 100, 1e-9);
+  EXPECT_EQ(TippingForce(support, middle, 100, {0.9, 0.9}),
+            std::numeric_limits<double>::infinity());
+  EXPECT_EQ(TippingForce(support, {1.1, 0.5, 0.5}, 100, {0.5, 0.5}), 0);
+  EXPECT_EQ(TippingForce(Support(), middle, 100, {0.5, 0.5}), 0);
 }
 
 TEST(Floating, OfABox) {
