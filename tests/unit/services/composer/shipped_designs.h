@@ -51,6 +51,17 @@ inline std::vector<const CollectionConnection*> AllShippedConnections() {
   return all;
 }
 
+inline const std::vector<parametric::Material>& ShippedMaterials() {
+  static const auto* const materials = [] {
+    auto* const read = new std::vector<parametric::Material>();
+    for (const v1::Material& message : parametric::WhatShips().materials) {
+      read->push_back(*parametric::FromProto(message));
+    }
+    return read;
+  }();
+  return *materials;
+}
+
 // Options with the materials of the items that ship.
 inline ConnectOptions ShippedOptions() {
   ConnectOptions options;
