@@ -51,6 +51,7 @@ class ConstraintSearch {
 
   // The constraint of a plane of the component, if it has one.
   std::optional<OriginalConstraint> Find(const DesignPlane& plane) const {
+    if (plane.in_original) return FindInPose(plane, *plane.in_original);
     const std::string& owner =
         plane.part < 0 ? plane.owner : parts_[static_cast<std::size_t>(plane.part)].drawn_as;
     const auto index = index_of_.find(owner);
@@ -75,6 +76,28 @@ class ConstraintSearch {
   }
 
  private:
+  // The constraint of a plane in a rest pose.
+  std::optional<OriginalConstraint> FindInPose(const DesignPlane& plane,
+                                               const PlaneInOriginal& there) const {
+    OriginalConstraint contact, level;
+    contact.is_contact = true;
+    for (const AssemblyPart& part : assembly_.assembly().parts) {
+      if (part.connecting || inside_.contains(part.name)) continue;
+      if (parametric::IsWithin(assembly_.assembly(), part.group, there.moved_group)) continue;
+      LookAtProminent(plane, there.place, part, level);
+      if (DistanceBetween(there.box, part.box) > reach_) continue;
+      for (const PlaneSide side : {PlaneSide::kMinimum, PlaneSide::kMaximum}) {
+        const Meeting meeting = MeetingOf(there.box, part.box, plane, side);
+        if (!IsOneTolerance(meeting.its, there.place)) continue;
+        Add({side, "", IsBroadAcross(part.box, plane.axis), 0}, meeting.faces ? meeting.area : 0,
+            meeting.faces ? contact : level);
+      }
+    }
+    if (!contact.outside.empty()) return contact;
+    if (!level.outside.empty()) return level;
+    return std::nullopt;
+  }
+
   const AssemblyPart& PartAt(std::size_t index) const { return assembly_.assembly().parts[index]; }
 
   // Whether a joint moves what is outside, and not the component's part.
@@ -115,21 +138,34 @@ class ConstraintSearch {
 
   void LookAtFaces(std::size_t own, std::size_t other, const DesignPlane& plane, double place,
                    OriginalConstraint& contact, OriginalConstraint& level) const {
-    const auto axis = static_cast<int>(plane.axis);
     const BoundingBox& box = PartAt(other).box;
-    const double area = SharedArea(PartAt(own).box, box, axis);
     for (const PlaneSide side : {PlaneSide::kMinimum, PlaneSide::kMaximum}) {
-      const bool is_minimum = side == PlaneSide::kMinimum;
-      const double its = is_minimum ? box.minimum[axis] : box.maximum[axis];
-      const bool faces = plane.side != PlaneSide::kNone && plane.side != side && area > 0;
+      const Meeting meeting = MeetingOf(PartAt(own).box, box, plane, side);
       OutsidePlane outside{side, "", IsBroadAcross(box, plane.axis), 0};
-      if (IsOneTolerance(its, place)) {
-        Add(outside, faces ? area : 0, faces ? contact : level);
-      } else if (faces && IsHeldApart(own, other, plane, its, place)) {
-        outside.offset = place - its;
-        Add(outside, area, contact);
+      if (IsOneTolerance(meeting.its, place)) {
+        Add(outside, meeting.faces ? meeting.area : 0, meeting.faces ? contact : level);
+      } else if (meeting.faces && IsHeldApart(own, other, plane, meeting.its, place)) {
+        outside.offset = place - meeting.its;
+        Add(outside, meeting.area, contact);
       }
     }
+  }
+
+  // How a face of a part outside meets a plane of the component's part.
+  struct Meeting {
+    double its = 0;      // m, where the face lies
+    double area = 0;     // m², that the boxes share across it
+    bool faces = false;  // it looks at the plane, over this area
+  };
+
+  static Meeting MeetingOf(const BoundingBox& own, const BoundingBox& other,
+                           const DesignPlane& plane, PlaneSide side) {
+    const auto axis = static_cast<int>(plane.axis);
+    Meeting meeting;
+    meeting.its = side == PlaneSide::kMinimum ? other.minimum[axis] : other.maximum[axis];
+    meeting.area = SharedArea(own, other, axis);
+    meeting.faces = plane.side != PlaneSide::kNone && plane.side != side && meeting.area > 0;
+    return meeting;
   }
 
   // Whether what fastens two parts holds their faces at this distance in all designs, with the

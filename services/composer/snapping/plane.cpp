@@ -29,6 +29,7 @@ void AddFaces(const std::vector<PrincipalPart>& parts, std::vector<DesignPlane>&
         plane.is_broad = IsBroadAcross(parts[i].box, axis);
         plane.position = FaceOf(parts[i], axis, upper);
         plane.now = upper ? parts[i].box.maximum[at] : parts[i].box.minimum[at];
+        plane.extent = parts[i].box.size()[at];
       }
     }
   }

@@ -16,6 +16,7 @@
 #include "services/composer/snapping/alignment_search.h"
 #include "services/composer/snapping/original_constraints.h"
 #include "services/composer/snapping/plane.h"
+#include "services/composer/snapping/posed_planes.h"
 
 namespace mortise::composer {
 namespace {
@@ -71,6 +72,18 @@ BoundingBox BoundsAround(const std::vector<PrincipalPart>& parts) {
   return bounds;
 }
 
+// The planes of the component, in the rest poses of its own joints and of those of its original.
+std::vector<DesignPlane> ComponentPlanes(const Design& component,
+                                         const std::vector<PrincipalPart>& parts,
+                                         const Design* original) {
+  std::vector<DesignPlane> planes = PlanesOf(component, parts);
+  if (original == nullptr) return planes;
+  for (DesignPlane& plane : PlanesInPosesOf(*original, component)) {
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
 class Snapper {
  public:
   Snapper(const Design& component, const Design* original, const Design& body,
@@ -80,7 +93,7 @@ class Snapper {
         body_(body),
         options_(options),
         parts_(PrincipalPartsOf(component)),
-        planes_(PlanesOf(component, parts_)),
+        planes_(ComponentPlanes(component, parts_, original)),
         body_parts_(PrincipalPartsOf(body)),
         body_planes_(PlanesOf(body, body_parts_)),
         set_(*component.assembly),
@@ -137,11 +150,7 @@ class Snapper {
 
   // The planes of one kind; only those that are as broad, if there are any.
   std::vector<Target> TargetsOf(const DesignPlane& plane, const OutsidePlane& kind) const {
-    double furthest = options_.furthest;
-    if (plane.part >= 0) {
-      const BoundingBox& box = parts_[static_cast<std::size_t>(plane.part)].box;
-      furthest = std::max(furthest, box.size()[static_cast<int>(plane.axis)] / 2);
-    }
+    const double furthest = std::max(options_.furthest, plane.extent / 2);
     std::vector<Target> all, as_broad;
     for (const DesignPlane& other : body_planes_) {
       if (other.axis != plane.axis || !IsOfKind(other, kind)) continue;

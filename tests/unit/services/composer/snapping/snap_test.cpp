@@ -4,10 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "common/assembly/sub_tree.h"
 #include "common/base/errors.h"
 #include "services/composer/model/placed_forms.h"
+#include "services/composer/snapping/plane.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/services/composer/shipped_designs.h"
 
@@ -77,6 +83,100 @@ TEST(SnapTest, ATopThatIsLoweredKeepsItsThickness) {
   const BoundingBox top = BoxIn(snapped.component, "top board");
   EXPECT_NEAR(top.minimum.z(), 0.815, 1e-8);
   EXPECT_NEAR(top.size().z(), 0.028, 1e-12);
+}
+
+// A door with its hinges, on a case that is wider than its own and has no door yet.
+TEST(SnapTest, ADoorMeetsTheMiddleOfAWiderCabinet) {
+  Design body = ShippedComponent("cabinet", "case");
+  ASSERT_OK_AND_ASSIGN(const parametric::Adjustment wider,
+                       body.assembly->Adjust(body.q, {{{"top", Axis::kX}, 1.12}},
+                                             parametric::DemandPolicy::kStrict));
+  body.q = wider.q;
+  const Design drawn = ShippedComponent("cabinet", "left door");
+  Design dropped = drawn;
+  dropped.shift = BoxIn(body, "side 1").minimum + Eigen::Vector3d(0.011, 0.004, 0.007);
+  ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &ShippedDesign("cabinet"), body));
+  ExpectFeasible(snapped.component);
+  const BoundingBox door = BoxIn(snapped.component, "left door");
+  EXPECT_NEAR(door.minimum.x(), BoxIn(body, "side 1").minimum.x(), 1e-7);
+  // As far as the top says that doors on the left reach: to the middle, but for a gap.
+  const std::vector<DesignPlane> planes = PlanesOf(body, PrincipalPartsOf(body));
+  const auto middle = std::find_if(planes.begin(), planes.end(), [](const DesignPlane& plane) {
+    return plane.name == "left fronts";
+  });
+  ASSERT_NE(middle, planes.end());
+  EXPECT_NEAR(door.maximum.x(), middle->now, 1e-7);
+  EXPECT_NEAR(door.size().x(), 1.12 / 2, 0.002);
+  EXPECT_NEAR(door.size().z(), BoxIn(drawn, "left door").size().z(), 1e-7);
+}
+
+// A case with a door that is drawn open, and rests shut over both sides (thesis Figure 5-5).
+parametric::Assembly CaseWithOpenDoor() {
+  parametric::Assembly drawn;
+  drawn.name = "assemblies/case-with-door";
+  drawn.groups = {{"assemblies/case-with-door", -1}, {"case", 0}, {"door", 0}};
+  const auto add = [&](const std::string& name, int group, const Eigen::Vector3d& minimum,
+                       const Eigen::Vector3d& maximum, bool connecting = false) {
+    parametric::AssemblyPart& part = drawn.parts.emplace_back();
+    part.name = name;
+    part.group = group;
+    part.connecting = connecting;
+    part.box = {minimum, maximum};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double size = part.box.size()[static_cast<Eigen::Index>(axis)];
+      const bool is_fixed = connecting || size == 0.02;
+      part.limits[axis] = {is_fixed ? size : size / 2, is_fixed ? size : 2 * size};
+    }
+  };
+  add("left side", 1, {0, 0, 0}, {0.02, 0.4, 0.8});
+  add("right side", 1, {0.58, 0, 0}, {0.6, 0.4, 0.8});
+  add("bottom", 1, {0.02, 0, 0}, {0.58, 0.4, 0.02});
+  add("top", 1, {0.02, 0, 0.78}, {0.58, 0.4, 0.8});
+  // Shut, it covers x from 0 to 0.6 and y from -0.02 to 0.
+  add("door", 2, {-0.02, -0.6, 0}, {0, 0, 0.8});
+  add("hinge", 1, {-0.01, -0.04, 0.35}, {0.01, 0.04, 0.45}, true);
+  parametric::Joint& hinge = drawn.joints.emplace_back();
+  hinge.name = "hinge";
+  hinge.group = 2;
+  hinge.center = {0, 0, 0.4};
+  hinge.lower = 0;
+  hinge.upper = 3;
+  hinge.rest_poses = {{"shut", {0, 0, std::acos(0.0)}}};
+  return drawn;
+}
+
+TEST(SnapTest, ADoorThatIsOpenAlignsWithTheOppositeSideWhenItIsShut) {
+  ASSERT_OK_AND_ASSIGN(const Design original, AsDrawn(CaseWithOpenDoor()));
+  const parametric::Assembly& whole = original.assembly->assembly();
+  ASSERT_OK_AND_ASSIGN(parametric::Assembly part, parametric::SubTreeOf(whole, "door"));
+  ASSERT_OK_AND_ASSIGN(Design door, AsDrawn(std::move(part)));
+  ASSERT_OK_AND_ASSIGN(part, parametric::SubTreeOf(whole, "case"));
+  ASSERT_OK_AND_ASSIGN(Design body, AsDrawn(std::move(part)));
+  for (const double width : {0.6, 0.5, 0.85}) {
+    SCOPED_TRACE(width);
+    ASSERT_OK_AND_ASSIGN(const parametric::Adjustment adjusted,
+                         body.assembly->Adjust(body.q, {{{"top", Axis::kX}, width - 0.04}},
+                                               parametric::DemandPolicy::kStrict));
+    body.q = adjusted.q;
+    const BoundingBox left = BoxIn(body, "left side"), right = BoxIn(body, "right side");
+    door.shift = left.minimum + Eigen::Vector3d(0.008, -0.006, 0.004);
+    ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(door, &original, body));
+    ExpectFeasible(snapped.component);
+    const BoundingBox open = BoxIn(snapped.component, "door");
+    // Hung where it was hung, and as wide as the case when it is turned by a quarter.
+    EXPECT_NEAR(open.maximum.x(), left.minimum.x(), 1e-7);
+    EXPECT_NEAR(open.maximum.y(), left.minimum.y(), 1e-7);
+    EXPECT_NEAR(open.size().y(), right.maximum.x() - left.minimum.x(), 1e-7);
+    EXPECT_NEAR(open.size().x(), 0.02, 1e-9);
+    EXPECT_NEAR(open.minimum.z(), left.minimum.z(), 1e-7);
+    EXPECT_NEAR(open.maximum.z(), left.maximum.z(), 1e-7);
+    const auto shut = std::find_if(
+        snapped.alignments.begin(), snapped.alignments.end(), [](const Alignment& alignment) {
+          return alignment.component_plane == "x maximum in 'hinge: shut'";
+        });
+    ASSERT_NE(shut, snapped.alignments.end());
+    EXPECT_EQ(shut->body_element, "right side");
+  }
 }
 
 // What is in its place stays there.
