@@ -86,6 +86,11 @@ double DistanceBetween(const BoundingBox& a, const BoundingBox& b) {
   return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0).norm();
 }
 
+bool ReachesAcross(const BoundingBox& box, Axis axis, double place, double tolerance) {
+  const int at = static_cast<int>(axis);
+  return box.minimum[at] < place - tolerance && box.maximum[at] > place + tolerance;
+}
+
 bool IsBroadAcross(const BoundingBox& box, Axis axis) {
   return box.size()[static_cast<int>(axis)] <= kAsThin * box.size().minCoeff();
 }

@@ -27,6 +27,9 @@ struct PrincipalPart {
 // faces; 0 if they meet.
 double DistanceBetween(const parametric::BoundingBox& a, const parametric::BoundingBox& b);
 
+// Whether a box reaches by more than `tolerance`, m, to either side of a place on an axis.
+bool ReachesAcross(const parametric::BoundingBox& box, Axis axis, double place, double tolerance);
+
 // Whether the faces across an axis are the broad ones of a part with this box, as a board's two:
 // along no other axis is it much thinner. A square post has four.
 bool IsBroadAcross(const parametric::BoundingBox& box, Axis axis);

@@ -71,8 +71,9 @@ class ConstraintSearch {
       LookAtFaces(index->second, i, plane, *place, contact, level);
     }
     if (!contact.outside.empty()) return contact;
-    if (!level.outside.empty()) return level;
-    return std::nullopt;
+    if (level.outside.empty()) return std::nullopt;
+    level.covers = Covers(index->second, plane.axis, *place);
+    return level;
   }
 
  private:
@@ -96,6 +97,17 @@ class ConstraintSearch {
     if (!contact.outside.empty()) return contact;
     if (!level.outside.empty()) return level;
     return std::nullopt;
+  }
+
+  // Whether no principal part outside that the component's lies against reaches across the plane.
+  bool Covers(std::size_t own, Axis axis, double place) const {
+    const BoundingBox& box = PartAt(own).box;
+    const auto& parts = assembly_.assembly().parts;
+    return std::none_of(parts.begin(), parts.end(), [&](const AssemblyPart& part) {
+      return !part.connecting && !inside_.contains(part.name) &&
+             DistanceBetween(box, part.box) <= assembly_.tolerance() &&
+             ReachesAcross(part.box, axis, place, assembly_.tolerance());
+    });
   }
 
   const AssemblyPart& PartAt(std::size_t index) const { return assembly_.assembly().parts[index]; }

@@ -29,6 +29,10 @@ struct OriginalConstraint {
   // Faces lay against each other, on two sides, or were held at a distance; else they were level.
   bool is_contact = false;
   double area = 0;  // m², over which they faced each other
+  // Nothing that the component's part lay against reached from one side of the plane to the other:
+  // a top that ended level with its legs covered them. The order of planes is kept as their level
+  // is.
+  bool covers = false;
 };
 
 // Returns the constraints, those of faces that lay against each other first, the larger first; then

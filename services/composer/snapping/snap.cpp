@@ -176,6 +176,7 @@ class Snapper {
     if (constraint.is_contact && any_near) {
       std::erase_if(targets, [](const Target& target) { return !target.is_near; });
     }
+    if (constraint.covers) KeepOrder(plane, targets);
     std::stable_sort(targets.begin(), targets.end(),
                      [](const Target& a, const Target& b) { return a.distance < b.distance; });
     std::vector<Target> nearest;
@@ -187,6 +188,20 @@ class Snapper {
       if (!is_known) nearest.push_back(target);
     }
     return nearest;
+  }
+
+  // What lay against the component ended at its plane or before it. So it does where nothing near
+  // it reaches from one side of the plane to the other, if there are such targets.
+  void KeepOrder(const DesignPlane& plane, std::vector<Target>& targets) const {
+    const auto sticks_out = [&](const Target& target) {
+      return std::any_of(body_parts_.begin(), body_parts_.end(), [&](const PrincipalPart& part) {
+        return ReachesAcross(part.box, plane.axis, target.place, tolerance_) &&
+               ApartAcross(parts_[static_cast<std::size_t>(plane.part)].box, part.box,
+                           plane.axis) <= options_.reach;
+      });
+    };
+    if (plane.part < 0 || std::all_of(targets.begin(), targets.end(), sticks_out)) return;
+    std::erase_if(targets, sticks_out);
   }
 
   absl::Status UseOriginal() {

@@ -85,6 +85,23 @@ TEST(SnapTest, ATopThatIsLoweredKeepsItsThickness) {
   EXPECT_NEAR(top.size().z(), 0.028, 1e-12);
 }
 
+// The legs of the table stand out beyond its aprons; those of the workbench do not, so that its top
+// ends level with both. Here it ends with the legs: nothing that it lies on sticks out.
+TEST(SnapTest, ATopThatCoveredItsLegsCoversThese) {
+  const Design body = ShippedComponent("dining_table", "frame");
+  const Design dropped = DroppedAt(ShippedComponent("workbench", "top"), {0.8, 0.45, 0.75});
+  ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &ShippedDesign("workbench"), body));
+  ExpectFeasible(snapped.component);
+  const BoundingBox top = BoxIn(snapped.component, "top board");
+  for (const PrincipalPart& part : PrincipalPartsOf(body)) {
+    EXPECT_LE(top.minimum.x(), part.box.minimum.x() + 1e-8) << part.name;
+    EXPECT_LE(top.minimum.y(), part.box.minimum.y() + 1e-8) << part.name;
+    EXPECT_GE(top.maximum.x(), part.box.maximum.x() - 1e-8) << part.name;
+    EXPECT_GE(top.maximum.y(), part.box.maximum.y() - 1e-8) << part.name;
+  }
+  EXPECT_NEAR(top.size().y(), BoundsOf(body).size().y(), 1e-8);
+}
+
 // A door with its hinges, on a case that is wider than its own and has no door yet.
 TEST(SnapTest, ADoorMeetsTheMiddleOfAWiderCabinet) {
   Design body = ShippedComponent("cabinet", "case");
