@@ -26,16 +26,16 @@ struct BearingLoad {
 
 // The list:
 //
-//   seat   1300 N, the static load of the seat of EN 12520 (domestic seating, persons up to 110
-//   kg);
-//          tipped by 600 N 60 mm from its edge, as EN 1022 loads it, without that standard's push
-//   step   2600 N, the test load of EN 14183 (step stools); tipped by 1500 N 50 mm from its edge:
-//   the
-//          150 kg that the standard is for, the place our own
+//   seat   1300 N, the static load of a seat of EN 12520 (domestic seating, persons of 110 kg);
+//          tipped by 600 N 60 mm from its edge, as EN 1022 loads it, without that standard's
+//          push from the side
+//   step   2600 N, the test load of EN 14183 (step stools); tipped by 1500 N 50 mm from its
+//          edge: the 150 kg that the standard is for, the place our own
 //   shelf  1000 N/m², our own: a row of books; tipped by that alone, in its middle
 //   top    1000 N, the vertical static load of EN 12521 (domestic tables); tipped by 300 N 50 mm
-//   from
-//          its edge, our own: somebody who leans on it
+//          from its edge, our own: somebody who leans on it
+// The standards' figures are taken as what a surface of the kind should bear; whether the piece of
+// furniture is one that they are for is not asked.
 const BearingLoad& LoadOf(BearingKind kind);
 
 // A horizontal board that faces upwards, or several side by side, as the slats of a seat are.

@@ -38,11 +38,12 @@ struct JointRules {
 std::vector<Finding> JudgeJoints(const std::vector<Joint>& joints, const JointRules& rules = {});
 
 // Returns what is wrong with how the principal parts of these names are joined to a whole, our own:
-// - "unconnected", a fault: parts that do not even touch the rest.
-// - "only-touches", a warning: parts that nothing fastens to the rest. Whether they are glued is
-//   not known.
-// - "can-turn", a warning: what is held by pins on one axis alone turns about it. What a joint of
-//   the assembly moves, wheels and bearings are to turn.
+//
+//   unconnected   a fault: parts that do not even touch the rest
+//   only-touches  a warning: parts that nothing fastens to the rest; whether they are glued is not
+//                 known
+//   can-turn      a warning: what is held by pins on one axis alone turns about it. What a joint
+//                 of the assembly moves, wheels and bearings are to turn
 //
 // The rest is what has the most parts, of several the one with the first part.
 std::vector<Finding> JudgeWhole(const std::vector<std::string>& parts,

@@ -15,9 +15,9 @@ namespace mortise::composer {
 // - FIXED on the lower face of each principal part that stands on the floor, within 0.1 mm;
 // - GRAVITY, in every load case;
 // - FORCE downwards on the upper faces of each surface, in a load case of its own called as its
-// kind,
-//   "seat", or "shelf_1", "shelf_2" … of several: its load, by the parts' areas. Of more than 20
-//   surfaces, which are as many load cases as there may be, those of one kind are loaded together.
+//   kind, "seat", or "shelf_1", "shelf_2" … of several: its load, by the parts' areas. Of more than
+//   20 surfaces, which are as many load cases as there may be, those of one kind are loaded
+//   together.
 //
 // FAILED_PRECONDITION: NO_SUPPORTS where no principal part with a level lower face stands on the
 // floor, as of what rolls on castors; NO_LOADS where nothing of it is a surface that bears.
