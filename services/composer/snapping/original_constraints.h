@@ -42,9 +42,8 @@ struct OriginalConstraint {
 //   element that the component has some of, and whose boxes are no further from the component's
 //   part than `reach`, m. What a joint moves away from the component is left out.
 // - prominent planes of all principal parts: they are drawn to be aligned with.
-// - of planes in the rest poses of joints of the original (PlanesInPosesOf): principal parts that
-// the
-//   pose does not move, within `reach` of the part there. A door that is drawn open meets the
+// - of planes in the rest poses of joints of the original (PlanesInPosesOf): principal parts, not
+//   moved by the pose, within `reach` of the part there. A door that is drawn open meets the
 //   opposite side when it is shut.
 //
 // The component's parts are known in the original by their names. O(parts · parts).
