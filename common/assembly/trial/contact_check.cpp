@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -66,29 +68,22 @@ std::string Describe(const ContactFault& fault) {
   return "";
 }
 
-ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance)
+ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance,
+                           const std::function<bool(int, int)>& is_asked)
     : assembly_(std::move(assembly)),
       elements_(std::move(elements)),
       tolerance_(tolerance),
+      is_asked_(is_asked),
       poses_(PosesOf(assembly_)),
       drawn_(DrawnParameters(assembly_, elements_)) {
-  const Parts drawn = PartsIn(poses_.front(), drawn_);
+  const std::vector<PlacedPart> placed = PlaceParts(assembly_, elements_, drawn_);
+  const Parts drawn = PartsIn(poses_.front(), drawn_, placed);
   for (std::size_t a = 0; a < elements_.size(); ++a) {
-    for (std::size_t b = a + 1; b < elements_.size(); ++b) AddRegions(a, b, drawn);
-  }
-  for (const Pose& pose : poses_) {
-    const Parts parts = PartsIn(pose, drawn_);
-    std::vector<OrientedBox> boxes;
-    for (std::size_t e = 0; e < elements_.size(); ++e) {
-      boxes.push_back(BoxIn(pose, assembly_, elements_, static_cast<int>(e), drawn_));
+    for (std::size_t b = a + 1; b < elements_.size(); ++b) {
+      if (IsAsked(a, b)) AddRegions(a, b, drawn);
     }
-    boxes_.push_back(std::move(boxes));
-    std::vector<Meeting> meetings(elements_.size() * elements_.size());
-    for (const auto& [a, b] : PairsIn(pose)) {
-      meetings[PairIndex(a, b)] = MeetingOf(parts[a], parts[b]);
-    }
-    meetings_.push_back(std::move(meetings));
   }
+  for (std::size_t pose = 0; pose < poses_.size(); ++pose) AddMeetings(pose, placed);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     std::array<Neighbours, 2> met;
     const std::array<double, 2> gaps = NeighbourGaps(e, drawn_);
@@ -97,6 +92,37 @@ ContactCheck::ContactCheck(Assembly assembly, std::vector<Element> elements, dou
     }
     neighbours_.push_back(met);
   }
+}
+
+void ContactCheck::AddMeetings(std::size_t pose, const std::vector<PlacedPart>& drawn) {
+  std::vector<bool>& moved = moved_.emplace_back();
+  std::vector<OrientedBox>& boxes = boxes_.emplace_back();
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    moved.push_back(MovesIn(poses_[pose], assembly_, elements_[e]));
+    boxes.push_back(BoxIn(poses_[pose], assembly_, elements_, static_cast<int>(e), drawn_));
+  }
+  const Parts parts = PartsIn(poses_[pose], drawn_, drawn);
+  // Boxes at right angles that are further apart than this do not touch; of others that is not said
+  // by what is around them.
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(2 * tolerance_);
+  std::vector<Eigen::AlignedBox3d> around;
+  for (const std::vector<Part>& of_element : parts) {
+    Eigen::AlignedBox3d box = BoxAround(of_element);
+    const bool at_right_angles =
+        std::all_of(of_element.begin(), of_element.end(),
+                    [](const Part& part) { return IsAtRightAngles(part.box.axes); });
+    const Eigen::Vector3d more =
+        at_right_angles ? reach : Eigen::Vector3d(Eigen::Vector3d::Constant(kInfinity));
+    around.emplace_back(box.min() - more, box.max() + more);
+  }
+  std::vector<Meeting> meetings(elements_.size() * elements_.size());
+  Pairs& touching = touching_.emplace_back();
+  for (const auto& [a, b] : PairsThatMeet(pose, around)) {
+    Meeting& meeting = meetings[PairIndex(a, b)];
+    meeting = MeetingOf(parts[a], parts[b]);
+    if (meeting.any) touching.emplace_back(a, b);
+  }
+  meetings_.push_back(std::move(meetings));
 }
 
 absl::Status ContactCheck::CheckParameters(const Eigen::VectorXd& q) const {
@@ -120,18 +146,22 @@ absl::StatusOr<std::vector<ContactFault>> ContactCheck::FaultsAt(const Eigen::Ve
                                                                  double penetration) const {
   MORTISE_RETURN_IF_ERROR(CheckParameters(q));
   std::vector<ContactFault> faults;
+  const std::vector<PlacedPart> placed = PlaceParts(assembly_, elements_, q);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
-    const Parts parts = PartsIn(poses_[p], q);
+    const Parts parts = PartsIn(poses_[p], q, placed);
     if (p == 0) {
       CheckSizes(parts, faults);
       CheckNeighbours(parts, q, penetration, faults);
     }
     std::vector<Eigen::AlignedBox3d> around;
     for (const std::vector<Part>& of_element : parts) around.push_back(BoxAround(of_element));
-    for (const auto& [a, b] : PairsIn(poses_[p])) {
-      const Meeting& meeting = meetings_[p][PairIndex(a, b)];
-      if (!meeting.any && !around[a].intersects(around[b])) continue;
+    const Pairs met = PairsThatMeet(p, around);
+    Pairs pairs;
+    std::set_union(met.begin(), met.end(), touching_[p].begin(), touching_[p].end(),
+                   std::back_inserter(pairs));
+    for (const auto& [a, b] : pairs) {
       if (StandAsDrawn(p, a, b, parts)) continue;
+      const Meeting& meeting = meetings_[p][PairIndex(a, b)];
       ContactFault fault;
       fault.pose = poses_[p].name;
       fault.first_element = static_cast<int>(a);
@@ -165,8 +195,8 @@ void ContactCheck::AddRegions(std::size_t a, std::size_t b, const Parts& drawn) 
 bool ContactCheck::StandAsDrawn(const Regions& regions, const Meeting& meeting,
                                 const std::vector<Part>& a, const std::vector<Part>& b) const {
   const auto stand = [&](const Part& one, const Part& other, const MeetingRegion& region) {
-    return region.StandsAsDrawn({BoxAround(one), one.stretch}, {BoxAround(other), other.stretch},
-                                kSame * tolerance_);
+    return region.StandsAsDrawn({BoxAround(one), one.placed->stretch},
+                                {BoxAround(other), other.placed->stretch}, kSame * tolerance_);
   };
   const bool are_as_many = a.size() == regions.count_a && b.size() == regions.count_b;
   // More or fewer parts of a pattern, all of which touch the one other: alike, each may stand to it
@@ -200,7 +230,9 @@ bool ContactCheck::StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b,
   if (elements_[a].pattern || elements_[b].pattern) return false;
   const Part& part_a = parts[a].front();
   const Part& part_b = parts[b].front();
-  if (!part_a.stretch.IsInProportion() || !part_b.stretch.IsInProportion()) return false;
+  for (const Part* part : {&part_a, &part_b}) {
+    if (!part->placed->stretch.IsInProportion()) return false;
+  }
   const OrientedBox& box_a = part_a.box;
   const OrientedBox& box_b = part_b.box;
   const OrientedBox& drawn_a = boxes_[pose][a];
@@ -225,35 +257,46 @@ Eigen::AlignedBox3d ContactCheck::BoxAround(const std::vector<Part>& parts) {
   return around;
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> ContactCheck::PairsIn(const Pose& pose) const {
-  const auto moves = [&](std::size_t element) {
-    return MovesIn(pose, assembly_, elements_[element]);
-  };
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (std::size_t a = 0; a < elements_.size(); ++a) {
-    for (std::size_t b = a + 1; b < elements_.size(); ++b) {
-      if (pose.joint < 0 || moves(a) != moves(b)) pairs.emplace_back(a, b);
+ContactCheck::Pairs ContactCheck::PairsThatMeet(
+    std::size_t pose, const std::vector<Eigen::AlignedBox3d>& boxes) const {
+  // In order of where they begin along x; each meets only those that begin before it ends.
+  std::vector<std::size_t> order(boxes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return boxes[a].min().x() < boxes[b].min().x(); });
+  const bool is_drawn = poses_[pose].joint < 0;
+  Pairs pairs;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t a = order[i];
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      const std::size_t b = order[j];
+      if (boxes[b].min().x() > boxes[a].max().x()) break;
+      if (!is_drawn && moved_[pose][a] == moved_[pose][b]) continue;
+      if (!boxes[a].intersects(boxes[b])) continue;
+      const std::pair<std::size_t, std::size_t> pair = std::minmax(a, b);
+      if (!is_drawn || IsAsked(pair.first, pair.second)) pairs.push_back(pair);
     }
   }
+  std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 
-ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorXd& q) const {
+ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorXd& q,
+                                          const std::vector<PlacedPart>& placed) const {
   const Eigen::Isometry3d motion = MotionIn(pose, assembly_, elements_.size(), q);
   Parts parts(elements_.size());
-  for (PlacedPart& placed : PlaceParts(assembly_, elements_, q)) {
-    const auto element = static_cast<std::size_t>(placed.element);
+  for (const PlacedPart& part : placed) {
+    const auto element = static_cast<std::size_t>(part.element);
     OrientedBox box;
-    box.center = placed.box.center();
-    box.half_size = placed.box.size() / 2;
+    box.center = part.box.center();
+    box.half_size = part.box.size() / 2;
     if (MovesIn(pose, assembly_, elements_[element])) {
       box.center = motion * box.center;
       // What counts as its box does not turn where it is round.
       box.axes = elements_[element].shape == nullptr ? AxesIn(pose, assembly_, elements_[element])
                                                      : Eigen::Matrix3d(motion.linear());
     }
-    parts[element].push_back({std::move(placed.name), box, std::move(placed.stretch),
-                              elements_[element].shape.get(), std::nullopt});
+    parts[element].push_back({&part, box, elements_[element].shape.get(), std::nullopt});
   }
   return parts;
 }
@@ -261,8 +304,9 @@ ContactCheck::Parts ContactCheck::PartsIn(const Pose& pose, const Eigen::VectorX
 const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
   if (!part.probed) {
     const Eigen::Vector3d half = part.box.half_size;
-    mesh::SurfaceMesh surface = part.shape == nullptr ? SurfaceOf(BoundingBox{-half, half})
-                                                      : mesh::SurfaceIn(*part.shape, part.stretch);
+    mesh::SurfaceMesh surface = part.shape == nullptr
+                                    ? SurfaceOf(BoundingBox{-half, half})
+                                    : mesh::SurfaceIn(*part.shape, part.placed->stretch);
     surface.vertices = (part.box.axes * surface.vertices).colwise() + part.box.center;
     part.probed.emplace(surface);
   }
@@ -274,7 +318,7 @@ double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) c
   if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
   double missed = 0;  // by the triangles of curved faces
   for (const Part* part : {&a, &b}) {
-    if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, part->stretch);
+    if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, part->placed->stretch);
   }
   // What only touches the other's box reaches nowhere into it.
   const bool may_be_deep = how_deep && boxes < -tolerance_;
@@ -317,8 +361,8 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   double gap = kInfinity;
   const auto lose = [&](ContactFault lost, const Part& part, const Part& other, double by) {
     lost.kind = ContactFault::Kind::kLostContact;
-    lost.first = part.name;
-    lost.second = other.name;
+    lost.first = part.placed->name;
+    lost.second = other.placed->name;
     lost.amount = by;
     faults.push_back(std::move(lost));
   };
@@ -333,8 +377,8 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
       second_gap[j] = std::min(second_gap[j], separation);
       if (meeting.is_clear && -separation > penetration) {
         fault.kind = ContactFault::Kind::kPenetration;
-        fault.first = part.name;
-        fault.second = b[j].name;
+        fault.first = part.placed->name;
+        fault.second = b[j].placed->name;
         fault.amount = -separation;
         faults.push_back(fault);
       }
@@ -368,7 +412,7 @@ void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& fau
       if (differs <= tolerance_) continue;
       ContactFault fault;
       fault.kind = ContactFault::Kind::kChangedSize;
-      fault.first = part.name;
+      fault.first = part.placed->name;
       fault.first_element = static_cast<int>(e);
       fault.amount = differs;
       faults.push_back(fault);
@@ -398,8 +442,8 @@ void ContactCheck::CheckNeighbours(const Parts& parts, const Eigen::VectorXd& q,
       if (gaps[i] == kInfinity) continue;
       const Neighbours& met = neighbours_[e][i];
       ContactFault fault;
-      fault.first = parts[e].front().name;
-      fault.second = parts[e].back().name;
+      fault.first = parts[e].front().placed->name;
+      fault.second = parts[e].back().placed->name;
       fault.first_element = fault.second_element = static_cast<int>(e);
       if (met.touched && gaps[i] > tolerance_) {
         fault.kind = ContactFault::Kind::kLostContact;

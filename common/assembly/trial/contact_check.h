@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "absl/status/statusor.h"
 #include "common/assembly/model/assembly.h"
 #include "common/assembly/model/element.h"
+#include "common/assembly/model/linear_design.h"
 #include "common/assembly/model/oriented_box.h"
 #include "common/assembly/model/rest_pose.h"
 #include "common/assembly/trial/meeting_region.h"
@@ -47,8 +49,12 @@ std::string Describe(const ContactFault& fault);
 class ContactCheck {
  public:
   // Notes what touches as drawn: boxes apart by no more than `tolerance`, m. The assembly must be
-  // valid. O(poses · parts²).
-  ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6);
+  // valid. O(poses · elements²).
+  //
+  // Of pairs of elements in the pose that was drawn, only those are looked at, by index and the
+  // lower first, that `is_asked` says; all if it is empty.
+  ContactCheck(Assembly assembly, std::vector<Element> elements, double tolerance = 1e-6,
+               const std::function<bool(int, int)>& is_asked = {});
 
   // Checks that q can be looked at. INVALID_ARGUMENT, "q", for another number of parameters, for
   // one that is not finite or beyond kMaxFromOrigin, for a size that is not positive, and
@@ -65,15 +71,14 @@ class ContactCheck {
   //   by more than the tolerance.
   // Faults between elements that a rest pose moves together, or not at all, are told of once, as
   // drawn. The list is empty if the design is sound. Fails as CheckParameters does. O(poses ·
-  // parts²).
+  // parts log parts) where few boxes meet.
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q,
                                                      double penetration = 1e-4) const;
 
  private:
   struct Part {
-    std::string name;
+    const PlacedPart* placed = nullptr;  // its name and stretch
     OrientedBox box;
-    mesh::BoxStretch stretch;
     const mesh::DrawnShape* shape = nullptr;            // none for boxes and prisms
     mutable std::optional<mesh::ProbedSurface> probed;  // made when it is first asked for
   };
@@ -105,6 +110,9 @@ class ContactCheck {
   // Whether one map stretches both elements, in a pose by its index, from where they are drawn.
   // Nothing can then be wrong between them that is not wrong as drawn.
   bool StandAsDrawn(std::size_t pose, std::size_t a, std::size_t b, const Parts& parts) const;
+  bool IsAsked(std::size_t a, std::size_t b) const {
+    return !is_asked_ || is_asked_(static_cast<int>(a), static_cast<int>(b));
+  }
   // Notes where the parts of two elements meet as drawn, unless both elements are boxes.
   void AddRegions(std::size_t a, std::size_t b, const Parts& drawn);
   // Whether each two parts stand to each other as drawn, in the pose that was drawn.
@@ -112,10 +120,15 @@ class ContactCheck {
                     const std::vector<Part>& b) const;
   static BoundingBox BoxAround(const Part& part);
   static Eigen::AlignedBox3d BoxAround(const std::vector<Part>& parts);
-  // Returns the pairs of elements to look at in a pose: all in the drawn one, in others those of
-  // which one element moves and the other does not.
-  std::vector<std::pair<std::size_t, std::size_t>> PairsIn(const Pose& pose) const;
-  Parts PartsIn(const Pose& pose, const Eigen::VectorXd& q) const;
+  using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+  // Returns the pairs of elements to look at in a pose, by its index, whose boxes meet, in order:
+  // of all in the drawn one, in others of those of which one element moves and the other does not.
+  Pairs PairsThatMeet(std::size_t pose, const std::vector<Eigen::AlignedBox3d>& boxes) const;
+  // Notes how elements meet as drawn in a pose.
+  void AddMeetings(std::size_t pose, const std::vector<PlacedPart>& drawn);
+  // The parts refer to those placed at q.
+  Parts PartsIn(const Pose& pose, const Eigen::VectorXd& q,
+                const std::vector<PlacedPart>& placed) const;
   Meeting MeetingOf(const std::vector<Part>& a, const std::vector<Part>& b) const;
   std::size_t PairIndex(std::size_t a, std::size_t b) const { return a * elements_.size() + b; }
   void CheckPair(const Meeting& meeting, const std::vector<Part>& a, const std::vector<Part>& b,
@@ -130,10 +143,13 @@ class ContactCheck {
   Assembly assembly_;
   std::vector<Element> elements_;
   double tolerance_;
+  std::function<bool(int, int)> is_asked_;
   std::vector<Pose> poses_;
   Eigen::VectorXd drawn_;
+  std::vector<std::vector<bool>> moved_;               // by pose, whether it moves an element
   std::vector<std::vector<OrientedBox>> boxes_;        // as drawn, by pose, of elements
   std::vector<std::vector<Meeting>> meetings_;         // by pose, then PairIndex(a, b) of a <= b
+  std::vector<Pairs> touching_;                        // by pose, pairs with Meeting::any, in order
   std::vector<std::array<Neighbours, 2>> neighbours_;  // of each element's pattern
   // The regions of pairs of elements of which one has a shape and whose parts meet as drawn, in the
   // drawn pose.

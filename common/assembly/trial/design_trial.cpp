@@ -126,6 +126,12 @@ class Trial {
     if (!KeepMeeting(fault) && !Fit(fault)) GiveUpPatterns(fault);
   }
 
+  // Whether a fault of two elements as drawn, the lower first, could be helped: what nobody can
+  // help need not be looked for.
+  bool CanHelp(int a, int b) const {
+    return At(a).pattern || At(b).pattern || fits_.count({a, b}) != 0;
+  }
+
   // Whether some parts are to be fitted: what else is tried before they are is of no use.
   bool HasFitted() const { return !repair_plan_.known_conflicts.fitted.empty(); }
 
@@ -202,7 +208,8 @@ absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
   const Pairs fits = FitsToTry(assembly, elements, feasible_set, tolerance);
   Trial trial(assembly, elements, fits, known, tolerance);
   const auto look_at = [&](const Pairs& with_shapes, int corners) -> absl::Status {
-    const ContactCheck check(assembly, WithShapesOf(with_shapes, elements), tolerance);
+    const ContactCheck check(assembly, WithShapesOf(with_shapes, elements), tolerance,
+                             [&](int a, int b) { return trial.CanHelp(a, b); });
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
                              TrialDesigns(feasible_set, corners));
     for (const Eigen::VectorXd& q : designs) {
