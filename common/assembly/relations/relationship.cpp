@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -30,6 +31,7 @@ class RelationshipSearch {
     FindSizes();
     FindSymmetries();
     for (const Pose& pose : PosesOf(assembly_)) {
+      NoteMoved(pose);
       const std::vector<PosedPosition> positions = PositionsIn(pose, assembly_, elements_);
       if (pose.joint < 0) {
         Append(TieJoints(assembly_, elements_, positions, tolerance_));
@@ -58,17 +60,22 @@ class RelationshipSearch {
   int CommonGroup(int a, int b) const {
     return LowestCommonGroup(assembly_, GroupOf(a), GroupOf(b));
   }
-  bool IsMoved(const Pose& pose, int element) const {
-    return MovesIn(pose, assembly_, At(element));
+  // What the pose that is looked at moves.
+  void NoteMoved(const Pose& pose) {
+    moved_.assign(elements_.size(), false);
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      moved_[e] = MovesIn(pose, assembly_, elements_[e]);
+    }
   }
+  bool IsMoved(int element) const { return moved_[static_cast<std::size_t>(element)]; }
   // Among themselves, what moves together and what stays are related in the drawn pose already.
   bool IsOfInterest(const Pose& pose, int a, int b) const {
-    return pose.joint < 0 || IsMoved(pose, a) != IsMoved(pose, b);
+    return pose.joint < 0 || IsMoved(a) != IsMoved(b);
   }
   // Whether a plane or centre of two elements that a pose moves together says something of its own:
   // turned obliquely, what is level in the pose is not as drawn.
   bool IsTurned(const Pose& pose, int a, int b) const {
-    if (pose.joint < 0 || !IsMoved(pose, a) || !IsMoved(pose, b)) return false;
+    if (pose.joint < 0 || !IsMoved(a) || !IsMoved(b)) return false;
     return !IsAtRightAngles(MotionIn(pose, assembly_, elements_.size(), drawn_).linear());
   }
 
@@ -221,13 +228,13 @@ class RelationshipSearch {
     if (members.size() < 2) return;
     // What a pose moves is related among itself only where it meets something that stays.
     if (pose.joint >= 0 && std::all_of(members.begin(), members.end(), [&](PositionPointer member) {
-          return IsMoved(pose, member->element);
+          return IsMoved(member->element);
         })) {
       return;
     }
     // Moved elements first, so that they represent their branch.
     std::stable_sort(members.begin(), members.end(), [&](PositionPointer a, PositionPointer b) {
-      return IsMoved(pose, a->element) > IsMoved(pose, b->element);
+      return IsMoved(a->element) > IsMoved(b->element);
     });
     std::map<int, std::vector<PositionPointer>> at_group;
     for (const PositionPointer member : members) {
@@ -245,7 +252,7 @@ class RelationshipSearch {
       if (group == 0) return;
       std::vector<PositionPointer>& above =
           at_group[assembly_.groups[static_cast<std::size_t>(group)].parent];
-      if (IsMoved(pose, branches[0]->element)) {
+      if (IsMoved(branches[0]->element)) {
         above.insert(above.begin(), branches[0]);
       } else {
         above.push_back(branches[0]);
@@ -293,23 +300,34 @@ class RelationshipSearch {
   void FindOrder(const Pose& pose, const std::vector<PosedPosition>& positions, Axis axis) {
     const std::vector<Span> spans = SpansOf(positions, axis);
     for (const Span& a : spans) {
+      const std::vector<double> ends = FirstEndsBehind(spans, a);
       for (const Span& b : spans) {
         if (!Precedes(a, b) || !IsOfInterest(pose, a.minimum->element, b.minimum->element)) {
           continue;
         }
-        if (!LiesBetween(spans, a, b)) Order(pose, *a.maximum, *b.minimum);
+        // A third element of the same subtree that lies between the two says their order by its own
+        // to both.
+        const int group = CommonGroup(a.minimum->element, b.minimum->element);
+        const bool lies_between =
+            ends[static_cast<std::size_t>(group)] < b.minimum->drawn - tolerance_;
+        if (!lies_between) Order(pose, *a.maximum, *b.minimum);
       }
     }
   }
 
-  // Whether a third element of the same subtree lies between the two, so that its own order to both
-  // says theirs.
-  bool LiesBetween(const std::vector<Span>& spans, const Span& a, const Span& b) const {
-    const int group = CommonGroup(a.minimum->element, b.minimum->element);
-    return std::any_of(spans.begin(), spans.end(), [&](const Span& third) {
-      return Precedes(a, third) && Precedes(third, b) &&
-             IsWithin(assembly_, GroupOf(third.minimum->element), group);
-    });
+  // Of each group, where the first element of its subtree ends that lies wholly behind a span.
+  std::vector<double> FirstEndsBehind(const std::vector<Span>& spans, const Span& span) const {
+    std::vector<double> ends(assembly_.groups.size(), std::numeric_limits<double>::infinity());
+    for (const Span& behind : spans) {
+      if (!Precedes(span, behind)) continue;
+      for (int group = GroupOf(behind.minimum->element); group >= 0;
+           group = assembly_.groups[static_cast<std::size_t>(group)].parent) {
+        double& first = ends[static_cast<std::size_t>(group)];
+        if (first <= behind.maximum->drawn) break;  // as it is then above, too
+        first = behind.maximum->drawn;
+      }
+    }
+    return ends;
   }
 
   void Order(const Pose& pose, const PosedPosition& before, const PosedPosition& after) {
@@ -404,6 +422,7 @@ class RelationshipSearch {
   const std::vector<Element>& elements_;
   const double tolerance_;
   const Eigen::VectorXd drawn_;
+  std::vector<bool> moved_;  // of each element, by the pose that is looked at
   std::vector<Relationship> found_;
 };
 
