@@ -40,7 +40,8 @@ std::size_t MemoryUse(const mesh::DrawnShape& shape) {
 }
 
 std::size_t MemoryUse(const ParametricAssembly& assembly) {
-  std::size_t bytes = sizeof(assembly) + assembly.assembly().parts.size() * kPart;
+  std::size_t bytes = sizeof(assembly) + assembly.assembly().parts.size() * kPart +
+                      assembly.solved_systems()->MemoryUse();
   std::set<const mesh::DrawnShape*> shapes;
   const auto count = [&](const mesh::DrawnShape* shape) {
     if (shape != nullptr && shapes.insert(shape).second) bytes += MemoryUse(*shape);

@@ -52,6 +52,19 @@ std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) 
   return held;
 }
 
+// The group above each; -1 for the root.
+std::vector<int> ParentsOf(const Assembly& assembly) {
+  std::vector<int> parents;
+  for (const AssemblyGroup& group : assembly.groups) parents.push_back(group.parent);
+  return parents;
+}
+
+EqualitySolver SolverOf(const std::vector<const ParametricAssembly*>& known) {
+  std::vector<std::shared_ptr<const SolvedSystems>> systems;
+  for (const ParametricAssembly* assembly : known) systems.push_back(assembly->solved_systems());
+  return EqualitySolver(std::move(systems));
+}
+
 // By what a change of each parameter is measured, m: of a size, by the size as drawn; of a place,
 // by several times the whole design, as places are to follow sizes and not sizes places.
 Eigen::VectorXd ScalesOf(const std::vector<Element>& elements, const Eigen::VectorXd& drawn,
@@ -158,11 +171,14 @@ const char* MeasureKindName(MeasureKind kind) {
 }
 
 absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
-    Assembly assembly, const std::function<bool()>& is_given_up) {
+    Assembly assembly, const std::function<bool()>& is_given_up,
+    const std::vector<const ParametricAssembly*>& known) {
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = ToleranceOf(made.assembly_);
-  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up));
+  EqualitySolver solver = SolverOf(known);
+  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, solver));
+  made.solved_systems_ = solver.solved();
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
@@ -173,7 +189,8 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
   return made;
 }
 
-absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up) {
+absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up,
+                                                      EqualitySolver& solver) {
   MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly_, tolerance_));
   PatternLosses pattern_losses;
   RepairPlan repair_plan;
@@ -189,7 +206,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
     MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
                              FindFeasibleSet(touching, known, {pattern_losses, repair_plan.lone},
-                                             repair_plan.known_conflicts));
+                                             repair_plan.known_conflicts, solver));
     if (LoosenShares(elements_, *feasible_set_, fits, repair_plan.known_conflicts)) continue;
     MORTISE_ASSIGN_OR_RETURN(const PatternLosses lost,
                              FindPatternLosses(assembly_, elements_, *feasible_set_, tolerance_));
@@ -206,9 +223,11 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   }
 }
 
-absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(
-    const TouchingParts& touching, ShapeFeatures& known, const PatternExclusions& exclusions,
-    const KnownConflicts& known_conflicts) {
+absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingParts& touching,
+                                                              ShapeFeatures& known,
+                                                              const PatternExclusions& exclusions,
+                                                              const KnownConflicts& known_conflicts,
+                                                              EqualitySolver& solver) {
   elements_ = MakeElements(assembly_, tolerance_, exclusions, known);
   contacts_ = ContactsOf(touching, assembly_, elements_);
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
@@ -226,8 +245,9 @@ absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(
     anchored.push_back(std::move(still));
   }
   MORTISE_ASSIGN_OR_RETURN(
-      feasible_set_, FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
-                                         VariablesWithin(assembly_, elements_, 0)));
+      feasible_set_,
+      FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
+                          VariablesWithin(assembly_, elements_, 0), ParentsOf(assembly_), &solver));
   MORTISE_RETURN_IF_ERROR(CheckBounded());
   return held.fits;
 }
@@ -256,10 +276,12 @@ absl::Status ParametricAssembly::CheckBounded() const {
 }
 
 absl::StatusOr<int> ParametricAssembly::DegreesOfFreedom(int group) const {
+  EqualitySolver solver({solved_systems_});
   MORTISE_ASSIGN_OR_RETURN(
       const FeasibleSet within,
       FeasibleSet::Create(RelationshipsWithin(assembly_, relationships_, group), drawn(),
-                          VariablesWithin(assembly_, elements_, group)));
+                          VariablesWithin(assembly_, elements_, group), ParentsOf(assembly_),
+                          &solver));
   return within.degrees_of_freedom();
 }
 

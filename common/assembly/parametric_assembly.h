@@ -24,6 +24,7 @@
 #include "common/assembly/model/assembly.h"
 #include "common/assembly/model/element.h"
 #include "common/assembly/model/linear_design.h"
+#include "common/assembly/relations/equality_solver.h"
 #include "common/assembly/relations/feasible_set.h"
 #include "common/assembly/relations/feature_anchors.h"
 #include "common/assembly/relations/relationship.h"
@@ -79,8 +80,14 @@ class ParametricAssembly {
   // mended (design_trial.h); each takes another round. FAILED_PRECONDITION as FeasibleSet::Create,
   // or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow without end. CANCELLED soon
   // after `is_given_up`, which is asked before each round and each design that is tried.
+  //
+  // What is made of `known`, assemblies that were parametrised before, such as the body of a model
+  // and the component that comes to it, is not made anew where it is the same: systems of
+  // equalities with the same coefficients (equality_solver.h). The result is what it would be
+  // without them, to the bit. Nothing refers to them afterwards.
   static absl::StatusOr<ParametricAssembly> Create(
-      Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; });
+      Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; },
+      const std::vector<const ParametricAssembly*>& known = {});
 
   const Assembly& assembly() const { return assembly_; }
   double tolerance() const { return tolerance_; }  // m: a millionth of the design's diagonal
@@ -108,6 +115,10 @@ class ParametricAssembly {
 
   // Returns the parameters as the expert drew the design.
   const Eigen::VectorXd& drawn() const { return feasible_set_->drawn(); }
+
+  // Returns the systems of equalities that were solved, for those who parametrise what contains the
+  // same.
+  const std::shared_ptr<const SolvedSystems>& solved_systems() const { return solved_systems_; }
 
   // Returns the degrees of freedom of a group's subtree by itself, its place in space included.
   absl::StatusOr<int> DegreesOfFreedom(int group) const;
@@ -176,11 +187,13 @@ class ParametricAssembly {
   ParametricAssembly() = default;
   // Makes the feasible set anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
-  absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up);
+  absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up,
+                                    EqualitySolver& solver);
   // Makes everything up to the feasible set, and returns how many things fit into each element.
   absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
                                             const PatternExclusions& exclusions,
-                                            const KnownConflicts& known_conflicts);
+                                            const KnownConflicts& known_conflicts,
+                                            EqualitySolver& solver);
   absl::Status CheckBounded() const;
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<std::vector<Demand>> FormsOf(const std::vector<MeasureDemand>& demands) const;
@@ -197,6 +210,7 @@ class ParametricAssembly {
   Contacts contacts_;
   std::vector<Relationship> relationships_;
   std::array<LinearForm, 3> standing_;
+  std::shared_ptr<const SolvedSystems> solved_systems_;
   std::optional<FeasibleSet> feasible_set_;
   std::optional<FeasibleSet> in_proportion_;  // the same, sizes measured by themselves
   std::optional<ConnectionPlacement> placement_;

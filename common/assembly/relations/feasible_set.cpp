@@ -2,9 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/Sparse>
 #include <algorithm>
-#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -18,71 +16,20 @@
 #include "common/assembly/polyhedra/polyhedron.h"
 #include "common/assembly/polyhedra/polyhedron_extents.h"
 #include "common/assembly/polyhedra/polyhedron_factors.h"
+#include "common/assembly/relations/equality_solver.h"
 #include "common/base/errors.h"
 
 namespace mortise::parametric {
 namespace {
 
 constexpr double kDrawnTolerance = 1e-9;  // m
-// Of unit equalities, what others leave of one that says nothing new: drawings are not more exact.
-constexpr double kRankThreshold = 1e-6;
-constexpr double kParallel = 1e-9;   // between unit normals
-constexpr double kRounding = 1e-13;  // in a unit normal
-constexpr double kNoShare = 1e-7;    // of a relationship in a conflict
+constexpr double kParallel = 1e-9;        // between unit normals
+constexpr double kRounding = 1e-13;       // in a unit normal
+constexpr double kNoShare = 1e-7;         // of a relationship in a conflict
 
 double AmountBroken(const Relationship& relationship, const Eigen::VectorXd& q) {
   const double value = relationship.form.At(q);
   return relationship.equality ? std::abs(value) : std::max(value, 0.0);
-}
-
-// The variables of one set, and the equalities among them.
-struct Block {
-  std::vector<int> variables;
-  std::vector<const Relationship*> equalities;
-};
-
-std::vector<Block> SplitIntoBlocks(const std::vector<Relationship>& relationships,
-                                   const std::vector<int>& variables, Eigen::Index all) {
-  boost::disjoint_sets_with_storage<> connected(static_cast<std::size_t>(all));
-  const auto set_of = [&](int variable) {
-    return connected.find_set(static_cast<std::size_t>(variable));
-  };
-  for (const Relationship& relationship : relationships) {
-    if (!relationship.equality) continue;
-    for (const LinearTerm& term : relationship.form.terms) {
-      connected.union_set(set_of(relationship.form.terms.front().variable), set_of(term.variable));
-    }
-  }
-  std::map<std::size_t, Block> blocks;
-  for (const int variable : variables) blocks[set_of(variable)].variables.push_back(variable);
-  for (const Relationship& relationship : relationships) {
-    if (!relationship.equality) continue;
-    const std::size_t set = set_of(relationship.form.terms.front().variable);
-    blocks[set].equalities.push_back(&relationship);
-  }
-  std::vector<Block> result;
-  for (auto& [set, block] : blocks) result.push_back(std::move(block));
-  return result;
-}
-
-// The equalities of a block as unit columns over its variables.
-Eigen::SparseMatrix<double> ColumnsOf(const Block& block) {
-  std::map<int, Eigen::Index> place;
-  for (const int variable : block.variables) {
-    place.emplace(variable, static_cast<Eigen::Index>(place.size()));
-  }
-  Eigen::SparseMatrix<double> columns(static_cast<Eigen::Index>(block.variables.size()),
-                                      static_cast<Eigen::Index>(block.equalities.size()));
-  for (Eigen::Index column = 0; column < columns.cols(); ++column) {
-    const LinearForm& form = block.equalities[static_cast<std::size_t>(column)]->form;
-    double squared = 0;
-    for (const LinearTerm& term : form.terms) squared += term.coefficient * term.coefficient;
-    for (const LinearTerm& term : form.terms) {
-      columns.insert(place.at(term.variable), column) = term.coefficient / std::sqrt(squared);
-    }
-  }
-  columns.makeCompressed();
-  return columns;
 }
 
 absl::Status Unbounded() {
@@ -99,7 +46,9 @@ absl::Status Conflict(const std::vector<std::string>& reasons) {
 
 absl::StatusOr<FeasibleSet> FeasibleSet::Create(std::vector<Relationship> relationships,
                                                 const Eigen::VectorXd& drawn,
-                                                const std::vector<int>& variables) {
+                                                const std::vector<int>& variables,
+                                                const std::vector<int>& parents,
+                                                EqualitySolver* solver) {
   FeasibleSet set;
   set.all_ = std::move(relationships);
   set.drawn_ = drawn;
@@ -110,7 +59,8 @@ absl::StatusOr<FeasibleSet> FeasibleSet::Create(std::vector<Relationship> relati
                               absl::StrCat("the design as drawn breaks ", violations.size(),
                                            " relationships, first: ", violations[0].description));
   }
-  set.SolveEqualities(variables);
+  EqualitySolver own;
+  set.UseSolution(SolveEqualities(set.all_, variables, parents, solver == nullptr ? own : *solver));
   set.ReduceInequalities();
   return set;
 }
@@ -150,43 +100,18 @@ void FeasibleSet::Reframe() {
   ReduceInequalities();
 }
 
-void FeasibleSet::SolveEqualities(const std::vector<int>& variables) {
-  struct Free {
-    std::vector<int> variables;
-    Eigen::MatrixXd directions;
-  };
-  std::vector<Free> free;
+void FeasibleSet::UseSolution(const SolvedEqualities& solved) {
+  for (const Relationship* kept : solved.kept) equalities_.push_back(*kept);
   Eigen::Index degrees = 0;
-  for (const Block& block : SplitIntoBlocks(all_, variables, drawn_.size())) {
-    const auto size = static_cast<Eigen::Index>(block.variables.size());
-    if (block.equalities.empty()) {
-      free.push_back({block.variables, Eigen::MatrixXd::Identity(size, size)});
-      degrees += size;
-      continue;
-    }
-    Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
-    qr.setPivotThreshold(kRankThreshold);
-    qr.compute(ColumnsOf(block));
-    const Eigen::Index rank = qr.rank();
-    for (Eigen::Index i = 0; i < rank; ++i) {
-      const auto chosen = static_cast<std::size_t>(qr.colsPermutation().indices()[i]);
-      equalities_.push_back(*block.equalities[chosen]);
-    }
-    if (rank == size) continue;
-    Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(size, size - rank);
-    directions.bottomRows(size - rank).setIdentity();
-    directions = qr.matrixQ() * directions;
-    degrees += size - rank;
-    free.push_back({block.variables, std::move(directions)});
-  }
+  for (const FreeVariables& free : solved.free) degrees += free.directions.cols();
   basis_ = Eigen::MatrixXd::Zero(drawn_.size(), degrees);
   Eigen::Index column = 0;
-  for (const Free& part : free) {
-    for (std::size_t i = 0; i < part.variables.size(); ++i) {
-      basis_.row(part.variables[i]).segment(column, part.directions.cols()) =
-          part.directions.row(static_cast<Eigen::Index>(i));
+  for (const FreeVariables& free : solved.free) {
+    for (std::size_t i = 0; i < free.variables.size(); ++i) {
+      basis_.row(free.variables[i]).segment(column, free.directions.cols()) =
+          free.directions.row(static_cast<Eigen::Index>(i));
     }
-    column += part.directions.cols();
+    column += free.directions.cols();
   }
 }
 
@@ -307,7 +232,7 @@ std::vector<std::string> FeasibleSet::EqualitiesBehind(
   std::vector<int> variables(static_cast<std::size_t>(drawn_.size()));
   std::iota(variables.begin(), variables.end(), 0);
   std::vector<std::string> names;
-  for (const Block& block : SplitIntoBlocks(equalities_, variables, drawn_.size())) {
+  for (const EqualityBlock& block : SplitIntoBlocks(equalities_, variables)) {
     const bool takes_part =
         std::any_of(block.variables.begin(), block.variables.end(),
                     [&](int variable) { return combination.count(variable) != 0; });

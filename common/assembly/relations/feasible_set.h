@@ -21,6 +21,9 @@
 
 namespace mortise::parametric {
 
+class EqualitySolver;  // equality_solver.h
+struct SolvedEqualities;
+
 // A relationship that parameters break, with the amount in metres.
 struct Violation {
   std::string description;
@@ -45,12 +48,14 @@ class FeasibleSet {
   // `drawn` must satisfy the relationships (FAILED_PRECONDITION names those it breaks by more than
   // 1e-9 m). Only the parameters in `variables` may change; relationships mention no others.
   // Equalities that others imply, but for 1e-6 of the lengths they speak of as drawings do, are
-  // left out, by sparse rank-revealing QR within each set of variables that equalities connect:
-  // O(n² m) for the largest such set of n variables and m equalities at worst, much less for chains
-  // of planes.
+  // left out (equality_solver.h). With `parents`, the group above each, large sets of variables
+  // that equalities connect are solved group by group; a `solver` need not solve again what it
+  // knows.
   static absl::StatusOr<FeasibleSet> Create(std::vector<Relationship> relationships,
                                             const Eigen::VectorXd& drawn,
-                                            const std::vector<int>& variables);
+                                            const std::vector<int>& variables,
+                                            const std::vector<int>& parents = {},
+                                            EqualitySolver* solver = nullptr);
 
   // Returns the same set with other distances: parameter i counts in units of scales[i] > 0, of
   // which there is one a parameter. INVALID_ARGUMENT, "scales". O(n² |q|) for n degrees of freedom.
@@ -130,7 +135,7 @@ class FeasibleSet {
 
   FeasibleSet() = default;
 
-  void SolveEqualities(const std::vector<int>& variables);
+  void UseSolution(const SolvedEqualities& solved);
   void ReduceInequalities();
   // Makes the columns of the basis orthonormal by the weights, and the inequalities anew.
   void Reframe();
