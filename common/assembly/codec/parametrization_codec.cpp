@@ -165,7 +165,7 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
-    const std::string& group) {
+    const std::string& group, const std::vector<const ParametricAssembly*>& known) {
   std::vector<Item> items;
   for (const v1::Item& message : bundle.items()) {
     MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
@@ -177,7 +177,7 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     MORTISE_ASSIGN_OR_RETURN(assembly, SubTreeOf(assembly, group));
   }
   MORTISE_ASSIGN_OR_RETURN(ParametricAssembly parametrized,
-                           ParametricAssembly::Create(std::move(assembly), is_given_up));
+                           ParametricAssembly::Create(std::move(assembly), is_given_up, known));
   return std::make_shared<const ParametricAssembly>(std::move(parametrized));
 }
 

@@ -74,7 +74,9 @@ class Connector {
     connected.group = std::move(merged.group);
     connected.insert_below = std::move(merged.insert_below);
     connected.warnings = std::move(warnings_);
-    MORTISE_ASSIGN_OR_RETURN(connected.model, AsDrawn(std::move(merged.assembly)));
+    MORTISE_ASSIGN_OR_RETURN(
+        connected.model, AsDrawn(std::move(merged.assembly),
+                                 {sides_.body.assembly.get(), sides_.component.assembly.get()}));
     return connected;
   }
 

@@ -23,9 +23,11 @@ struct Design {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which all of it is moved in space
 };
 
-// Parametrises a valid assembly, and returns it as it is drawn. Fails as
-// ParametricAssembly::Create.
-absl::StatusOr<Design> AsDrawn(parametric::Assembly assembly);
+// Parametrises a valid assembly, and returns it as it is drawn. What is `known` need not be found
+// again, and changes nothing else. Fails as ParametricAssembly::Create.
+absl::StatusOr<Design> AsDrawn(
+    parametric::Assembly assembly,
+    const std::vector<const parametric::ParametricAssembly*>& known = {});
 
 // A design drawn anew.
 struct Redrawn {

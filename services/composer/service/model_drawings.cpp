@@ -48,11 +48,12 @@ absl::StatusOr<std::shared_ptr<const Drawing>> ModelDrawings::Get(const std::str
 }
 
 absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> ModelDrawings::Parametrize(
-    const Drawing& drawing, const std::string& group, const IsGivenUp& is_given_up) {
+    const Drawing& drawing, const std::string& group, const IsGivenUp& is_given_up,
+    const std::vector<const parametric::ParametricAssembly*>& known) {
   using Made = SingleFlightCache<std::shared_ptr<const parametric::ParametricAssembly>>::Made;
   return parametrised_.Get(absl::StrCat(drawing.digest, "/", group), [&]() -> absl::StatusOr<Made> {
     MORTISE_ASSIGN_OR_RETURN(auto made,
-                             parametric::Parametrize(drawing.bundle, is_given_up, group));
+                             parametric::Parametrize(drawing.bundle, is_given_up, group, known));
     const std::size_t bytes = parametric::MemoryUse(*made);
     return Made{std::move(made), bytes};
   });

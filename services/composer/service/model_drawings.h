@@ -36,10 +36,11 @@ class ModelDrawings {
   absl::StatusOr<std::shared_ptr<const Drawing>> Get(const std::string& model,
                                                      const std::string& digest);
 
-  // The drawing, or the sub-tree below a node of it, parametrised. Fails as
-  // parametric::Parametrize; CANCELLED.
+  // The drawing, or the sub-tree below a node of it, parametrised. What is `known` need not be
+  // found again. Fails as parametric::Parametrize; CANCELLED.
   absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
-      const Drawing& drawing, const std::string& group, const IsGivenUp& is_given_up);
+      const Drawing& drawing, const std::string& group, const IsGivenUp& is_given_up,
+      const std::vector<const parametric::ParametricAssembly*>& known = {});
 
   // Keeps what a drawing was made of, so that it need not be parametrised again.
   void Keep(const Drawing& drawing,

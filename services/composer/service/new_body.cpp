@@ -51,7 +51,8 @@ absl::Status SetBody(const std::shared_ptr<const Drawing>& drawing, Design desig
   if (IsDrawnAs(*drawing, design.assembly->assembly())) {
     drawings.Keep(*drawing, design.assembly);
   } else {
-    MORTISE_ASSIGN_OR_RETURN(design.assembly, drawings.Parametrize(*drawing, "", is_given_up));
+    MORTISE_ASSIGN_OR_RETURN(
+        design.assembly, drawings.Parametrize(*drawing, "", is_given_up, {design.assembly.get()}));
     design.q = design.assembly->drawn();
   }
   design.shift.setZero();
@@ -131,7 +132,7 @@ absl::StatusOr<std::shared_ptr<const Drawing>> TakeWithout(const std::string& no
   MORTISE_ASSIGN_OR_RETURN(Drawing drawn,
                            DrawAnew(BodyName(*model), rest, parts, JointsOf(rest, *before)));
   const auto drawing = std::make_shared<const Drawing>(std::move(drawn));
-  MORTISE_ASSIGN_OR_RETURN(Design design, AsDrawn(rest));
+  MORTISE_ASSIGN_OR_RETURN(Design design, AsDrawn(rest, {model->body->design.assembly.get()}));
   MORTISE_RETURN_IF_ERROR(SetBody(drawing, std::move(design), drawings, is_given_up, model));
   model->owners = std::move(owners);
   ForgetWhatIsGone(rest, model);
