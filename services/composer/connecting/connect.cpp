@@ -121,34 +121,40 @@ class Connector {
                              FitOriginal(original_->design, sides_.component));
     std::map<std::string, const PrincipalPart*> by_name;
     for (const PrincipalPart& part : fitted) by_name[part.name] = &part;
-    // Those that hold by something come first.
+    // Those that hold by something come first: what only touches must not keep them out.
     for (const bool with_parts : {true, false}) {
       for (const CollectionConnection& connection : original_->connections) {
-        if (connection.connection.connecting.empty() == with_parts) continue;
         std::set<std::string> missing;
         const std::optional<Candidate> candidate = BindOriginal(connection, by_name, missing);
-        if (candidate) TryOriginal(*candidate);
+        if (candidate && HasParts(connection) == with_parts) TryOriginal(*candidate);
         if (missing.empty()) continue;
-        MORTISE_RETURN_IF_ERROR(UseRestOf(connection, by_name, missing));
+        MORTISE_RETURN_IF_ERROR(UseRestOf(connection, by_name, missing, with_parts));
       }
     }
     return absl::OkStatus();
   }
 
-  // Remembers why a connection of the original cannot be used.
+  static bool HasParts(const CollectionConnection& connection) {
+    return !connection.connection.connecting.empty();
+  }
+
+  // Remembers why a connection of the original cannot be used. What only touches is then none.
   void TryOriginal(const Candidate& candidate) {
+    const std::vector<Pair> pairs = PairsOf(candidate);
+    const auto is_refused = [&](const Pair& pair) { return refused_.contains(pair); };
+    if (!HasParts(*candidate.from) && std::any_of(pairs.begin(), pairs.end(), is_refused)) return;
     const std::string why = Try(candidate);
     if (why.empty() || candidate.from->connection.connecting.empty()) return;
-    for (const Pair& pair : PairsOf(candidate)) {
+    for (const Pair& pair : pairs) {
       if (AreLinked(pair.first, pair.second)) refused_.try_emplace(pair, why);
     }
   }
 
   // What such a connection is without those for which nothing stands in the model: the slides of a
-  // drawer go without the handle whose screws touch theirs.
+  // drawer go without the handle whose screws touch theirs. Only what has parts, or what has none.
   absl::Status UseRestOf(const CollectionConnection& connection,
                          const std::map<std::string, const PrincipalPart*>& by_name,
-                         const std::set<std::string>& missing) {
+                         const std::set<std::string>& missing, bool with_parts) {
     std::set<std::string> there;
     for (const std::string& name : connection.Principals()) {
       if (!missing.contains(name)) there.insert(name);
@@ -156,6 +162,7 @@ class Connector {
     MORTISE_ASSIGN_OR_RETURN(std::vector<CollectionConnection> rest,
                              ConnectionsAmong(connection, there));
     for (CollectionConnection& one : rest) {
+      if (HasParts(one) != with_parts) continue;
       made_.push_back(std::make_unique<const CollectionConnection>(std::move(one)));
       std::set<std::string> still_missing;
       const std::optional<Candidate> candidate =

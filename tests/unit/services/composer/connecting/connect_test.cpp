@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/errors.h"
 #include "services/composer/model/overlap.h"
+#include "services/composer/model/removal.h"
 #include "services/composer/snapping/snap.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/services/composer/shipped_designs.h"
@@ -269,6 +271,29 @@ TEST(ConnectTest, WhatReachesIntoTheModelIsRefused) {
   const absl::Status refused =
       Connect(body, in_the_way, "new", nullptr, {}, ShippedOptions()).status();
   EXPECT_EQ(DetailOf(refused).reason, "COMPONENT_OVERLAPS");
+}
+
+// A second seat of a go-kart, where floor boards were. The screws of the original have no room
+// there; that the seat touches the rails is not taken for a connection instead.
+TEST(ConnectTest, WhatOnlyTouchesIsNoAnswerToScrewsThatDoNotFit) {
+  ASSERT_OK_AND_ASSIGN(Assembly rest, WithoutNode(ShippedDesign("go_kart"), "floor board"));
+  ASSERT_OK_AND_ASSIGN(const Design body, AsDrawn(std::move(rest)));
+  const Original original = ShippedOriginal("go_kart");
+  ASSERT_OK_AND_ASSIGN(
+      const Connected made,
+      Connect(body, DroppedAt(ShippedComponent("go_kart", "seat"), {0.79, 0, 0.271}), "new",
+              &original, AllShippedConnections(), ShippedOptions()));
+  for (const char* const rail : {"rail 1", "rail 2"}) {
+    const bool is_held = std::any_of(made.connections.begin(), made.connections.end(),
+                                     [&](const MadeConnection& one) {
+                                       return one.principals.front() == rail && !one.parts.empty();
+                                     });
+    const bool is_warned_of = std::any_of(
+        made.warnings.begin(), made.warnings.end(), [&](const ConnectionWarning& warning) {
+          return warning.first == rail && warning.second == "seat";
+        });
+    EXPECT_NE(is_held, is_warned_of) << rail;
+  }
 }
 
 // Two shelves of the same design, one after the other.
