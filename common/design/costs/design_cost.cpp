@@ -50,7 +50,7 @@ class Bill {
                                              ", and ", first_, " in ", total_.currency),
                                 who);
     }
-    total_.amount += item->price.amount * Quantity(*item, size, volume);
+    total_.amount += PartCost(*item, size, volume).amount;
     return absl::OkStatus();
   }
 
@@ -112,6 +112,13 @@ absl::StatusOr<std::vector<ItemNeed>> NeedsOf(const EvaluatedDesign& design,
     MORTISE_RETURN_IF_ERROR(needs.Add(NameOf(peg), peg.item, SizeOf(peg)));
   }
   return needs.Take();
+}
+
+Cost PartCost(const Item& item, const Eigen::Vector3d& size, double volume) {
+  Cost cost;
+  cost.currency = item.price.currency;
+  if (!cost.currency.empty()) cost.amount = item.price.amount * Quantity(item, size, volume);
+  return cost;
 }
 
 absl::StatusOr<Cost> CostOf(const EvaluatedDesign& design, const std::vector<Item>& items) {

@@ -25,6 +25,10 @@ struct ItemNeed {
 absl::StatusOr<std::vector<ItemNeed>> NeedsOf(const EvaluatedDesign& design,
                                               const std::vector<Item>& items);
 
+// Returns what a part of this size, m, in the item's axes and volume, m³, costs by the price of its
+// item, as CostOf counts it. The currency is empty where the item has no price.
+Cost PartCost(const Item& item, const Eigen::Vector3d& size, double volume);
+
 // Returns the sum over parts, those that only connect among them, and pegs. An item priced by
 // volume costs that of the part; of one priced by the piece a part costs the share of the piece
 // that it is long, and wide where that is cut too, and all of it where it is bought as it is.
