@@ -44,7 +44,7 @@ const std::vector<KindWords>& Words() {
   static const auto* const all = new std::vector<KindWords>{
       {BearingKind::kSeat, {"seat", "bench"}},
       {BearingKind::kStep, {"step", "tread", "rung"}},
-      {BearingKind::kShelf, {"shelf", "shelves", "bottom", "tray", "deck"}},
+      {BearingKind::kShelf, {"shelf", "shelves", "bottom", "tray", "deck", "floor", "base"}},
       {BearingKind::kTop, {"top", "tabletop", "worktop", "desktop", "counter"}},
       {std::nullopt, {"back", "side", "door", "lid", "roof"}}};
   return *all;

@@ -56,10 +56,10 @@ struct BearingSurface {
 //   within 1 mm are one surface if they cover at least two fifths of the box around them. A surface
 //   is at least 0.1 m long and wide.
 // - The kind is the first that a word of the name says, of the part, then of its groups, the
-//   innermost first: seat, bench; step, tread, rung; shelf, shelves, bottom, tray, deck; top,
-//   tabletop, worktop, desktop, counter. Else the height says it: what nothing is above for 0.6 m
-//   is a seat from 0.35 to 0.52 m, and a top at other heights; the rest are shelves. Backs, sides,
-//   doors and lids by their name are none.
+//   innermost first: seat, bench; step, tread, rung; shelf, shelves, bottom, tray, deck, floor,
+//   base; top, tabletop, worktop, desktop, counter. Else the height says it: what nothing is above
+//   for 0.6 m is a seat from 0.35 to 0.52 m, and a top at other heights; the rest are shelves.
+//   Backs, sides, doors, lids and roofs by their name are none.
 std::vector<BearingSurface> FindBearingSurfaces(const parametric::Assembly& drawn, double floor);
 
 }  // namespace mortise::composer

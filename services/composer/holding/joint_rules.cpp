@@ -17,6 +17,16 @@ constexpr double kTouches = 2e-4;   // m, between boxes
 constexpr double kRounding = 1e-3;  // diameters
 constexpr char kOwn[] = "our own rule of thumb";
 
+// The name that the parts of a row share: "slat" of "slat 3". So what is found of one is told once.
+std::string RowName(const std::string& part) {
+  const std::size_t end = part.find_last_not_of("0123456789.");
+  if (end == std::string::npos || end + 1 == part.size() || part[end] != ' ') return part;
+  return part.substr(0, end);
+}
+
+// A length in diameters as text: halves of a tenth go up, whatever their last bit.
+std::string Diameters(double found) { return absl::StrFormat("%.1f d", found + 1e-9); }
+
 class JointJudge {
  public:
   JointJudge(const JointRules& rules, std::vector<Finding>& findings)
@@ -76,8 +86,8 @@ class JointJudge {
     for (const Limit& limit : EdgeLimits(pin, part)) {
       if (found >= limit.wanted - kRounding) continue;
       Add(limit, "edge-distance", pin.name, found, "d",
-          absl::StrFormat("%.1f mm (%.1f d) from a face of '%s' beside it; %.1f d wanted",
-                          1000 * distance, found, part.name, limit.wanted));
+          absl::StrFormat("%.1f mm (%s) from a face of '%s' beside it; %s wanted", 1000 * distance,
+                          Diameters(found), RowName(part.name), Diameters(limit.wanted)));
       return;
     }
   }
@@ -115,8 +125,8 @@ class JointJudge {
     for (const Limit& limit : limits) {
       if (found >= limit.wanted - kRounding) continue;
       Add(limit, "thread-depth", pin.name, found, "d",
-          absl::StrFormat("%.1f mm (%.1f d) deep in '%s'; %.1f d wanted",
-                          found * 1000 * pin.diameter, found, part->name, limit.wanted));
+          absl::StrFormat("%.1f mm (%s) deep in '%s'; %s wanted", found * 1000 * pin.diameter,
+                          Diameters(found), RowName(part->name), Diameters(limit.wanted)));
       return;
     }
   }
@@ -128,8 +138,9 @@ class JointJudge {
         continue;
       Add({Severity::kWarning, rules_.dowel_depth, kOwn}, "dowel-depth", pin.name,
           depth / pin.diameter, "d",
-          absl::StrFormat("%.1f mm (%.1f d) deep in '%s'; %.1f d wanted", 1000 * depth,
-                          depth / pin.diameter, part.name, rules_.dowel_depth));
+          absl::StrFormat("%.1f mm (%s) deep in '%s'; %s wanted", 1000 * depth,
+                          Diameters(depth / pin.diameter), RowName(part.name),
+                          Diameters(rules_.dowel_depth)));
     }
   }
 

@@ -54,6 +54,18 @@ TEST(JointRulesTest, MetalAndPartsThatDoNotFillTheirBoxes) {
   EXPECT_THAT(JudgeJoints({joint}), SizeIs(1));
 }
 
+// The same of each part of a row is told of the row.
+TEST(JointRulesTest, PartsOfARowAreToldOfOnce) {
+  Joint first = ScrewAt(0.008), second = ScrewAt(0.008);
+  first.principals[0].name = "slat 1";
+  second.principals[0].name = "slat 2";
+  second.fasteners[0].name = "screw 2";
+  const auto found = Ordered(JudgeJoints({first, second}));
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_THAT(found[0].parts, ElementsAre("screw", "screw 2"));
+  EXPECT_THAT(found[0].text, HasSubstr("'slat'"));
+}
+
 TEST(JointRulesTest, HowDeepAScrewIs) {
   const auto with_depth = [](double depth) {
     return JudgeJoints(
