@@ -1,0 +1,243 @@
+#include "services/composer/suggestions/suggest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "common/assembly/model/element.h"
+#include "services/composer/model/overlap.h"
+#include "services/composer/model/placed_forms.h"
+
+namespace mortise::composer {
+namespace {
+
+using parametric::Assembly;
+using parametric::BoundingBox;
+using parametric::Element;
+
+constexpr double kSamePlace = 0.01;  // m
+constexpr double kRounding = 1e-9;   // m: distances are told apart by no less
+constexpr std::size_t kMaxRanked = 1000;
+constexpr double kSameRoom = 0.5;  // of both boxes, that they have in common
+
+BoundingBox Moved(BoundingBox box, const Eigen::Vector3d& by) {
+  box.minimum += by;
+  box.maximum += by;
+  return box;
+}
+
+double VolumeOf(const BoundingBox& box) { return box.size().prod(); }
+
+// Whether two boxes are about the same room.
+bool AreOneRoom(const BoundingBox& a, const BoundingBox& b) {
+  const Eigen::Vector3d common =
+      (a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum)).cwiseMax(0);
+  return common.prod() >= kSameRoom * std::max(VolumeOf(a), VolumeOf(b));
+}
+
+// How the connection is moved so that `there` comes where `here` is, seen from `partner`: along
+// each axis the planes that are nearest to a plane of the partner come to lie on each other.
+Eigen::Vector3d MoveTo(const BoundingBox& here, const BoundingBox& there,
+                       const BoundingBox& partner) {
+  Eigen::Vector3d move;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto apart = [&](double plane) {
+      return std::min(std::abs(plane - partner.minimum[axis]),
+                      std::abs(plane - partner.maximum[axis]));
+    };
+    const bool by_lower = apart(there.minimum[axis]) <= apart(there.maximum[axis]);
+    move[axis] = by_lower ? here.minimum[axis] - there.minimum[axis]
+                          : here.maximum[axis] - there.maximum[axis];
+  }
+  return move;
+}
+
+// The name of the largest group that holds `part` and not `other`; that of the part where there is
+// none.
+std::string ComponentOf(const Assembly& assembly, const Element& part, const Element& other) {
+  std::string node = part.name;
+  for (int group = part.group; group > 0;
+       group = assembly.groups[static_cast<std::size_t>(group)].parent) {
+    if (parametric::IsWithin(assembly, other.group, group)) break;
+    node = assembly.groups[static_cast<std::size_t>(group)].name;
+  }
+  return node;
+}
+
+// A part of the collection that might be put beside one of the body.
+struct Match {
+  Suggestion suggestion;
+  Eigen::Vector3d move = Eigen::Vector3d::Zero();  // m, from where it is drawn
+  BoundingBox room;                                // that it takes
+  std::string item;
+  bool overlaps_there = false;  // it reaches into the part that holds it there, too
+};
+
+class Search {
+ public:
+  Search(const Design& body, const SuggestOptions& options)
+      : options_(options), parts_(PrincipalPartsOf(body)) {
+    // Placed parts say where they are, and elements what they look like.
+    for (const parametric::PlacedPart& placed : PartsOf(body)) {
+      solids_.emplace_back(placed.name, placed.box, body.assembly->ShapeOf(placed), placed.stretch);
+    }
+  }
+
+  std::vector<Match> Matches(const std::vector<const CollectionConnection*>& connections) const {
+    std::vector<Match> matches;
+    for (const CollectionConnection* const from : connections) {
+      const parametric::ElementConnection& connection = from->connection;
+      if (connection.connecting.empty()) continue;
+      for (int there = 0; there < connection.principal_count(); ++there) {
+        for (const PrincipalPart& here : parts_) AddMatches(*from, there, here, matches);
+      }
+    }
+    Rank(matches);
+    return matches;
+  }
+
+  // Whether a component may go where the match says, and where that is.
+  bool Fits(const Assembly& component, Match& match) const {
+    BoundingBox box = Moved(component.parts.front().box, match.move);
+    for (const parametric::AssemblyPart& part : component.parts) {
+      const SolidPart solid(part.name, Moved(part.box, match.move), part.shape,
+                            mesh::BoxStretch(part.box.size()));
+      box.minimum = box.minimum.cwiseMin(solid.box().minimum);
+      box.maximum = box.maximum.cwiseMax(solid.box().maximum);
+      if (std::any_of(solids_.begin(), solids_.end(), [&](const SolidPart& other) {
+            return !IsLetIn(match, part.name, other.name()) && SolidPart::DepthOf(solid, other) > 0;
+          })) {
+        return false;
+      }
+    }
+    match.suggestion.position << box.center().x(), box.center().y(), box.minimum.z();
+    return true;
+  }
+
+ private:
+  // Whether two parts may reach into each other, as they do where they come from.
+  static bool IsLetIn(const Match& match, const std::string& part, const std::string& other) {
+    return match.overlaps_there && part == match.suggestion.partner &&
+           other == match.suggestion.element;
+  }
+
+  void AddMatches(const CollectionConnection& from, int there, const PrincipalPart& here,
+                  std::vector<Match>& matches) const {
+    if (!options_.near.empty() && !options_.near.contains(here.drawn_as)) return;
+    const std::vector<Element>& elements = from.connection.elements;
+    const Element& stands_for = elements[static_cast<std::size_t>(there)];
+    if (!options_.same_material(stands_for.item, here.item)) return;
+    const double distance =
+        kRounding *
+        std::round(PartDistance(here, stands_for, options_.fixed_size_weight) / kRounding);
+    if (distance > options_.alike) return;
+    for (int i = 0; i < from.connection.principal_count(); ++i) {
+      if (i == there) continue;
+      const Element& partner = elements[static_cast<std::size_t>(i)];
+      Match match;
+      match.move = MoveTo(here.box, stands_for.box, partner.box);
+      match.room = Moved(partner.box, match.move);
+      if (IsTaken(match.room)) continue;
+      match.item = partner.item;
+      match.overlaps_there = CommonDepth(stands_for.box, partner.box) > kMaxOverlap;
+      match.suggestion.from = &from;
+      match.suggestion.node = ComponentOf(from.connection.assembly, partner, stands_for);
+      match.suggestion.element = here.name;
+      match.suggestion.element_there = stands_for.name;
+      match.suggestion.partner = partner.name;
+      match.suggestion.distance = distance;
+      matches.push_back(std::move(match));
+    }
+  }
+
+  // Whether a part of the body is there already.
+  bool IsTaken(const BoundingBox& room) const {
+    return std::any_of(parts_.begin(), parts_.end(), [&](const PrincipalPart& part) {
+      const Eigen::Vector3d common =
+          (room.maximum.cwiseMin(part.box.maximum) - room.minimum.cwiseMax(part.box.minimum))
+              .cwiseMax(0);
+      return common.prod() >= kSameRoom * std::min(VolumeOf(room), VolumeOf(part.box));
+    });
+  }
+
+  // What orders equal ones, so that the order of the collection does not.
+  static auto NamesOf(const Suggestion& suggestion) {
+    return std::tie(suggestion.from->source, suggestion.node, suggestion.element,
+                    suggestion.element_there, suggestion.partner);
+  }
+
+  // Scores the matches, and puts the best first.
+  void Rank(std::vector<Match>& matches) const {
+    std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+      const Suggestion& x = a.suggestion;
+      const Suggestion& y = b.suggestion;
+      if (x.distance != y.distance) return x.distance < y.distance;
+      return NamesOf(x) < NamesOf(y);
+    });
+    if (matches.size() > kMaxRanked) matches.resize(kMaxRanked);
+    for (Match& match : matches) {
+      std::set<std::string> assemblies, elements;
+      for (const Match& other : matches) {
+        if (AreOneRoom(match.room, other.room) && options_.same_material(match.item, other.item)) {
+          assemblies.insert(other.suggestion.from->source);
+          elements.insert(other.suggestion.element);
+        }
+      }
+      Suggestion& suggestion = match.suggestion;
+      suggestion.assemblies = static_cast<int>(assemblies.size());
+      suggestion.held_by = static_cast<int>(elements.size());
+      suggestion.score = (1 + std::log2(suggestion.held_by)) *
+                         (1 + std::log2(suggestion.assemblies)) /
+                         (1 + suggestion.distance / options_.half_distance);
+    }
+    std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+      const Suggestion& x = a.suggestion;
+      const Suggestion& y = b.suggestion;
+      if (x.score != y.score) return x.score > y.score;
+      return NamesOf(x) < NamesOf(y);
+    });
+  }
+
+  const SuggestOptions& options_;
+  const std::vector<PrincipalPart> parts_;
+  std::vector<SolidPart> solids_;
+};
+
+// Whether the component is suggested for this place already.
+bool IsKnown(const std::vector<Suggestion>& known, const Suggestion& suggestion) {
+  return std::any_of(known.begin(), known.end(), [&](const Suggestion& other) {
+    return other.from->source == suggestion.from->source && other.node == suggestion.node &&
+           (other.position - suggestion.position).norm() <= kSamePlace;
+  });
+}
+
+}  // namespace
+
+double PartDistance(const PrincipalPart& part, const Element& other, double fixed_size_weight) {
+  double squares = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const bool is_fixed =
+        part.is_fixed[axis] || other.limits[axis].minimum == other.limits[axis].maximum;
+    const double difference = part.box.size()[a] - other.box.size()[a];
+    squares += std::pow((is_fixed ? fixed_size_weight : 1) * difference, 2);
+  }
+  return std::sqrt(squares);
+}
+
+std::vector<Suggestion> Suggest(const Design& body,
+                                const std::vector<const CollectionConnection*>& connections,
+                                const ComponentSource& components, const SuggestOptions& options) {
+  const Search search(body, options);
+  std::vector<Suggestion> suggestions;
+  for (Match& match : search.Matches(connections)) {
+    if (static_cast<int>(suggestions.size()) >= options.count) break;
+    const auto component = components(match.suggestion.from->source, match.suggestion.node);
+    if (!component.ok() || !search.Fits(**component, match)) continue;
+    if (!IsKnown(suggestions, match.suggestion)) suggestions.push_back(match.suggestion);
+  }
+  return suggestions;
+}
+
+}  // namespace mortise::composer

@@ -1,0 +1,79 @@
+// Suggests what might come next in a model: what designs of a collection have beside such parts as
+// the model's (thesis §9.1.1: "present relevant components to the user during the modeling
+// session").
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/assembly/model/assembly.h"
+#include "services/composer/connecting/connection_descriptor.h"
+#include "services/composer/connecting/part_connection.h"
+#include "services/composer/model/design.h"
+
+namespace mortise::composer {
+
+struct SuggestOptions {
+  int count = 10;  // of suggestions
+  // Parts of the body, as they are drawn, that the new component is to be held by; any if empty.
+  std::set<std::string> near = {};
+  // m: how much a part of the collection may differ from the model's, in its sizes (PartDistance).
+  double alike = 0.5;
+  // How much more a size counts along an axis on which an item fixes it, as in ConnectOptions.
+  double fixed_size_weight = 4;
+  // m: a difference that halves the score.
+  double half_distance = 0.2;
+  // Whether two items may stand for each other.
+  SameMaterial same_material;
+};
+
+// A component, and where it would go.
+struct Suggestion {
+  const CollectionConnection* from = nullptr;  // that would hold it
+  std::string node;                            // of the assembly that it is from: the component
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, of the middle of its box's lower side
+  std::string element;                                 // part of the body that it would be held by
+  std::string element_there;                           // the part that this one stands for
+  std::string partner;                                 // the component's part that is held there
+  double distance = 0;                                 // m, PartDistance of the two
+  int held_by = 0;     // parts of the body that would hold such a part there
+  int assemblies = 0;  // of the collection that have such a part there
+  double score = 0;
+};
+
+// Returns how much two parts differ in their sizes, m: as DistanceOf counts them.
+double PartDistance(const PrincipalPart& part, const parametric::Element& other,
+                    double fixed_size_weight);
+
+// Returns the component of a node of an assembly by its name, as it is drawn; an error where it
+// cannot be used, or is not wanted: for its price, or what it is made of.
+using ComponentSource = std::function<absl::StatusOr<const parametric::Assembly*>(
+    const std::string& assembly, const std::string& node)>;
+
+// Returns what might come next, the best first; of equal ones the first by assembly and node.
+//
+// - Of each connection of the collection that has connecting parts, each principal is compared with
+//   each of the body's: of the same material, and alike in size. The other principals are put
+//   beside the body's part as they lie beside the one there, by the planes of the two that are
+//   nearest to each other along each axis. Where nothing of the body is in the way it may be what
+//   is missing.
+// - The component is all that is grouped with it there and not with the part that it is held by:
+//   the largest such group; where there is none, it is the part alone.
+// - The score is (1 + log2 held_by) · (1 + log2 assemblies) / (1 + distance / half_distance). Of
+//   all that is found, so many parts of the body hold, and so many assemblies have, a part of that
+//   material in about that place: with half of both boxes in common. So what closes a gap comes
+//   before what would hang on one side.
+// - A component is left out that reaches into the body by more than 0.1 mm, or that `components`
+//   gives none of. Of the same component in the same place within 10 mm only the best is told.
+//
+// It is deterministic, whatever the order of the connections. Of many the 1000 that are most alike
+// are looked at. O(connections · parts), and what is asked of `components` for the best.
+std::vector<Suggestion> Suggest(const Design& body,
+                                const std::vector<const CollectionConnection*>& connections,
+                                const ComponentSource& components, const SuggestOptions& options);
+
+}  // namespace mortise::composer

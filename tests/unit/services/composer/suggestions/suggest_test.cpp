@@ -1,0 +1,189 @@
+// What might come next in models made of designs that ship.
+#include "services/composer/suggestions/suggest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/composer/model/overlap.h"
+#include "services/composer/snapping/snap.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/services/composer/shipped_designs.h"
+
+namespace mortise::composer {
+namespace {
+
+using parametric::Assembly;
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+std::string IdOf(const std::string& assembly) {
+  std::string id = assembly.substr(assembly.find('/') + 1);
+  std::replace(id.begin(), id.end(), '-', '_');
+  return id;
+}
+
+// Components of what ships, each made once.
+absl::StatusOr<const Assembly*> ShippedSubTree(const std::string& assembly,
+                                               const std::string& node) {
+  static auto* const known =
+      new std::map<std::pair<std::string, std::string>, absl::StatusOr<Assembly>>();
+  const std::pair key(assembly, node);
+  auto found = known->find(key);
+  if (found == known->end()) {
+    const Assembly& whole = ShippedDesign(IdOf(assembly)).assembly->assembly();
+    found = known->emplace(key, parametric::SubTreeOf(whole, node)).first;
+  }
+  if (!found->second.ok()) return found->second.status();
+  return &*found->second;
+}
+
+SuggestOptions Options() {
+  SuggestOptions options;
+  options.same_material = [material_of = ShippedOptions().material_of](const std::string& item,
+                                                                       const std::string& other) {
+    return item == other || material_of(item) == material_of(other);
+  };
+  return options;
+}
+
+std::vector<const CollectionConnection*> ConnectionsOfAll(const std::vector<std::string>& ids) {
+  std::vector<const CollectionConnection*> all;
+  for (const std::string& id : ids) {
+    for (const CollectionConnection& each : ShippedConnections(id)) all.push_back(&each);
+  }
+  return all;
+}
+
+const std::vector<std::string>& SomeDesigns() {
+  static const auto* const ids =
+      new std::vector<std::string>{"dining_table", "bookshelf", "workbench", "garden_bench"};
+  return *ids;
+}
+
+TEST(SuggestTest, AFrameWantsTheTopThatItHadWhereItWas) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto found = Suggest(frame, ConnectionsOfAll({"dining_table"}), ShippedSubTree, Options());
+  ASSERT_THAT(found, Not(IsEmpty()));
+  EXPECT_EQ(found[0].node, "top");
+  EXPECT_EQ(found[0].distance, 0);
+  EXPECT_EQ(found[0].assemblies, 1);
+  EXPECT_EQ(found[0].held_by, 2);  // the long aprons
+  EXPECT_EQ(found[0].score, 2);
+  EXPECT_LT((found[0].position - Eigen::Vector3d(0.8, 0.45, 0.712)).norm(), 1e-9);
+  // It is told of once, though both aprons hold it.
+  const auto there = std::count_if(found.begin(), found.end(), [&](const Suggestion& each) {
+    return each.node == "top" && (each.position - found[0].position).norm() < 0.01;
+  });
+  EXPECT_EQ(there, 1);
+}
+
+TEST(SuggestTest, WhereverTheModelIs) {
+  Design frame = ShippedComponent("dining_table", "frame");
+  frame.shift = {1, -2, 0.5};
+  const auto found = Suggest(frame, ConnectionsOfAll({"dining_table"}), ShippedSubTree, Options());
+  ASSERT_THAT(found, Not(IsEmpty()));
+  EXPECT_LT((found[0].position - Eigen::Vector3d(1.8, -1.55, 1.212)).norm(), 1e-9);
+}
+
+TEST(SuggestTest, AWholeTableLacksNoTop) {
+  const auto found = Suggest(ShippedDesign("dining_table"), ConnectionsOfAll({"dining_table"}),
+                             ShippedSubTree, Options());
+  EXPECT_THAT(found, Not(Contains(Field(&Suggestion::node, "top"))));
+}
+
+TEST(SuggestTest, NothingReachesIntoTheModel) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto found = Suggest(frame, ConnectionsOfAll(SomeDesigns()), ShippedSubTree, Options());
+  for (const Suggestion& each : found) {
+    ASSERT_OK_AND_ASSIGN(const Assembly* const component,
+                         ShippedSubTree(each.from->source, each.node));
+    ASSERT_OK_AND_ASSIGN(Design design, AsDrawn(*component));
+    const parametric::BoundingBox box = BoundsOf(design);
+    design.shift =
+        each.position - Eigen::Vector3d(box.center().x(), box.center().y(), box.minimum.z());
+    for (const parametric::PlacedPart& part : PartsOf(design)) {
+      for (const parametric::PlacedPart& other : PartsOf(frame)) {
+        const SolidPart a(part.name, part.box, design.assembly->ShapeOf(part), part.stretch);
+        const SolidPart b(other.name, other.box, frame.assembly->ShapeOf(other), other.stretch);
+        EXPECT_EQ(SolidPart::DepthOf(a, b), 0)
+            << each.from->source << " " << each.node << ": " << part.name << ", " << other.name;
+      }
+    }
+  }
+}
+
+// What is suggested first can be added, snapped and connected.
+TEST(SuggestTest, TheFirstOneCanBeConnected) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto found = Suggest(frame, ConnectionsOfAll(SomeDesigns()), ShippedSubTree, Options());
+  ASSERT_THAT(found, Not(IsEmpty()));
+  const std::string id = IdOf(found[0].from->source);
+  Design component = ShippedComponent(id, found[0].node);
+  const parametric::BoundingBox box = BoundsOf(component);
+  component.shift =
+      found[0].position - Eigen::Vector3d(box.center().x(), box.center().y(), box.minimum.z());
+  const Original original = ShippedOriginal(id);
+  ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(component, &original.design, frame));
+  ASSERT_OK_AND_ASSIGN(const Connected made, Connect(frame, snapped.component, "new", &original,
+                                                     AllShippedConnections(), ShippedOptions()));
+  EXPECT_THAT(made.connections, Not(IsEmpty()));
+}
+
+TEST(SuggestTest, IsTheSameWhateverTheOrderOfTheCollection) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  std::vector<const CollectionConnection*> connections = ConnectionsOfAll(SomeDesigns());
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const Suggestion& each : Suggest(frame, connections, ShippedSubTree, Options())) {
+      all.push_back(each.from->source + " " + each.node + " " + each.element);
+    }
+    return all;
+  };
+  const std::vector<std::string> before = names();
+  std::reverse(connections.begin(), connections.end());
+  EXPECT_EQ(names(), before);
+}
+
+TEST(SuggestTest, KeepsToTheNodeTheNumberAndWhatIsWanted) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto connections = ConnectionsOfAll(SomeDesigns());
+  SuggestOptions options = Options();
+  options.near = {"long apron 1"};
+  for (const Suggestion& each : Suggest(frame, connections, ShippedSubTree, options)) {
+    EXPECT_EQ(each.element, "long apron 1");
+  }
+  options = Options();
+  options.count = 1;
+  EXPECT_EQ(Suggest(frame, connections, ShippedSubTree, options).size(), 1U);
+  const ComponentSource none = [](const std::string&, const std::string&) {
+    return absl::StatusOr<const Assembly*>(absl::NotFoundError("costs too much"));
+  };
+  EXPECT_THAT(Suggest(frame, connections, none, Options()), IsEmpty());
+}
+
+// A model that is a little larger than what the collection has gets it beside its own planes.
+TEST(SuggestTest, WhatIsNearlyAsLargeIsPlacedByThePlanesThatMeet) {
+  Design frame = ShippedComponent("dining_table", "frame");
+  ASSERT_OK_AND_ASSIGN(const parametric::Adjustment wider,
+                       frame.assembly->Adjust(frame.q, {{{"long apron 1", Axis::kX}, 1.44}},
+                                              parametric::DemandPolicy::kStrict));
+  frame.q = wider.q;
+  const auto found = Suggest(frame, ConnectionsOfAll({"dining_table"}), ShippedSubTree, Options());
+  ASSERT_THAT(found, Contains(Field(&Suggestion::node, "top")));
+  for (const Suggestion& each : found) {
+    if (each.node != "top") continue;
+    // It lies on the frame.
+    EXPECT_NEAR(each.position.z(), 0.712, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace mortise::composer
