@@ -12,7 +12,9 @@
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/compose_check_command.h"
 #include "cli/commands/compose_output.h"
+#include "cli/commands/compose_suggest_command.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -58,6 +60,7 @@ struct ForkOptions : ModelOptions {
 
 struct SaveOptions : ModelOptions {
   std::string id, title;
+  bool with_loads = false;
 };
 
 // ---- What the commands have in common ----------------------------------------------------------
@@ -268,6 +271,7 @@ absl::Status Save(const SaveOptions& options, Session& session, Output& output) 
   v1::SaveModelRequest request;
   request.set_template_id(options.id);
   request.set_title(options.title);
+  request.set_with_loads(options.with_loads);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
   MORTISE_ASSIGN_OR_RETURN(const v1::SavedModel saved, Ask(*client, &Stub::SaveModel, request));
@@ -418,6 +422,8 @@ void AddSave(CLI::App& compose, Session& session) {
            "template_id");
   save.Add("--title", options->title, "Its title, for people; that of the model if absent",
            "title");
+  save.command().add_flag("--with-loads", options->with_loads,
+                          "With supports and loads, so that it can be analysed");
   save.command().footer("Example: mortise compose save desk --template desk-with-shelf");
   save.Run(session, [options](Session& s, Output& o) { return Save(*options, s, o); });
 }
@@ -430,6 +436,9 @@ void AddComposeCommands(CLI::App& app, Session& session) {
   compose.footer("Example: mortise compose new desk");
   AddNewAndList(compose, session);
   AddShow(compose, session);
+  AddComposeCheckCommand(compose, session);
+  AddComposeBillCommand(compose, session);
+  AddComposeSuggestCommand(compose, session);
   AddAdd(compose, session);
   AddComponentCommand(compose, session, "snap", "Fit a component to the rest",
                       "snap desk shelf --picture snapped.png", Snap);

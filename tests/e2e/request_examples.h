@@ -263,6 +263,9 @@ inline constexpr Example kExamples[] = {
      "request_id: 'bad-72' name: '{model}' revision: 3 template_id: 'bad-saved' title: 'Saved'",
      Outcome::kRefused},
     {"ComposerService/DrawModel", "name: '{model}' width: 64 height: 48"},
+    {"ComposerService/CheckModel", "name: '{model}'"},
+    {"ComposerService/GetModelBill", "name: '{model}'"},
+    {"ComposerService/SuggestComponents", "name: '{model}' count: 2"},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "

@@ -43,7 +43,10 @@ absl::StatusOr<ConnectionOrigin> CollectionConnections::Read(const std::string& 
   using Made = SingleFlightCache<ConnectionOrigin>::Made;
   return kept_.Get(absl::StrCat(name, "/", revision), [&]() -> absl::StatusOr<Made> {
     MORTISE_ASSIGN_OR_RETURN(const ComponentOrigin origin, origins_->Get(name, revision, caller));
-    ConnectionOrigin made{.drawing = origin.drawing, .connections = nullptr};
+    ConnectionOrigin made{.drawing = origin.drawing,
+                          .connections = nullptr,
+                          .template_name = origin.template_name,
+                          .template_revision = origin.revision};
     MORTISE_ASSIGN_OR_RETURN(made.connections, drawings_->ConnectionsIn(*origin.drawing));
     const std::size_t bytes = origin.drawing->bundle.SpaceUsedLong();
     return Made{std::move(made), bytes};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -18,10 +19,12 @@
 
 namespace mortise::composer {
 
-// An assembly with its connections.
+// An assembly with its connections, and a template of it.
 struct ConnectionOrigin {
   std::shared_ptr<const Drawing> drawing;
   std::shared_ptr<const Connections> connections;
+  std::string template_name = {};  // templates/{id}
+  std::int64_t template_revision = 0;
 };
 
 // By the name of the assembly: "assemblies/bookshelf".

@@ -6,10 +6,13 @@
 #include "common/rpc/method_overrides.h"
 #include "common/store/store.h"
 #include "mortise/v1/composer.grpc.pb.h"
+#include "services/composer/service/bill_methods.h"
+#include "services/composer/service/check_methods.h"
 #include "services/composer/service/component_methods.h"
 #include "services/composer/service/composer.h"
 #include "services/composer/service/model_methods.h"
 #include "services/composer/service/save_methods.h"
+#include "services/composer/service/suggestion_methods.h"
 
 namespace mortise::composer {
 namespace {
@@ -50,6 +53,9 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
   MORTISE_PREPARED_MUTATION(SaveModel, rpc::With(composer_, methods::WriteIntoCatalog),
                             rpc::With(composer_, methods::SaveModel))
   MORTISE_QUERY(DrawModel, rpc::With(composer_, methods::DrawModel))
+  MORTISE_QUERY(CheckModel, rpc::With(composer_, methods::CheckModel))
+  MORTISE_QUERY(GetModelBill, rpc::With(composer_, methods::GetModelBill))
+  MORTISE_QUERY(SuggestComponents, rpc::With(composer_, methods::SuggestComponents))
 
  private:
   const std::shared_ptr<grpc::Channel> catalog_;

@@ -14,8 +14,9 @@
 namespace mortise::composer {
 namespace {
 
-constexpr double kPaler = 0.55;     // of white, where it is not connected
-constexpr double kDarker = 0.3;     // of black, of what connects
+constexpr double kPaler = 0.55;  // of white, where it is not connected
+constexpr double kDarker = 0.3;  // of black, of what connects
+constexpr render::Color kUnmarked{0.82, 0.82, 0.82};
 constexpr double kEdgeWidth = 0.9;  // pixels
 
 // The colour of each component, in the order they came in.
@@ -27,7 +28,19 @@ std::map<std::string, render::Color> ColorsOf(const OpenModel& model) {
   return colors;
 }
 
-// Adds the parts of a design in the colours that `color_of` gives to what a part is drawn as.
+// A part that is to be coloured.
+struct ColoredPart {
+  std::string drawn_as;  // part of the drawing
+  std::string name;      // as PlacedPart says
+  bool connecting = false;
+};
+
+// A colour darker, of what connects.
+render::Color Shaded(const render::Color& color, const ColoredPart& part) {
+  return part.connecting ? render::Mix(color, {0, 0, 0}, kDarker) : color;
+}
+
+// Adds the parts of a design in the colours that `color_of` gives to ColoredPart.
 template <typename ColorOf>
 absl::Status AddDesign(const OpenModel& model, const OpenDesign& part, ModelDrawings& drawings,
                        const ColorOf& color_of, render::Scene& scene) {
@@ -48,12 +61,21 @@ absl::Status AddDesign(const OpenModel& model, const OpenDesign& part, ModelDraw
     render::Shape shape;
     shape.vertices = surface.vertices.colwise() + part.design.shift;
     shape.triangles = surface.triangles;
-    shape.color = color_of(assembly.assembly().parts[drawn].name);
-    if (element.connecting) shape.color = render::Mix(shape.color, {0, 0, 0}, kDarker);
+    shape.color = color_of(ColoredPart{assembly.assembly().parts[drawn].name, design.parts[i].name,
+                                       element.connecting});
     shape.edge_width = kEdgeWidth;
     scene.shapes.push_back(std::move(shape));
   }
   return absl::OkStatus();
+}
+
+// The scene from above, as PNG.
+absl::StatusOr<std::string> PictureOf(render::Scene scene, int width, int height) {
+  scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
+                                   static_cast<double>(width) / height);
+  MORTISE_ASSIGN_OR_RETURN(const render::Image image,
+                           render::Render(scene, {.width = width, .height = height}));
+  return render::EncodePng(image);
 }
 
 }  // namespace
@@ -72,21 +94,32 @@ absl::StatusOr<std::string> DrawPicture(const OpenModel& model, ModelDrawings& d
   render::Scene scene;
   MORTISE_RETURN_IF_ERROR(AddDesign(
       model, *model.body, drawings,
-      [&](const std::string& part) {
-        const auto owner = model.owners.find(part);
-        return color_of(owner == model.owners.end() ? "" : owner->second);
+      [&](const ColoredPart& part) {
+        const auto owner = model.owners.find(part.drawn_as);
+        return Shaded(color_of(owner == model.owners.end() ? "" : owner->second), part);
       },
       scene));
   for (const OpenLoose& loose : model.loose) {
     const render::Color pale = render::Mix(color_of(loose.id), {1, 1, 1}, kPaler);
     MORTISE_RETURN_IF_ERROR(AddDesign(
-        model, loose.part, drawings, [&](const std::string&) { return pale; }, scene));
+        model, loose.part, drawings, [&](const ColoredPart& part) { return Shaded(pale, part); },
+        scene));
   }
-  scene.camera = render::FitCamera(render::BoundingBox(scene), render::kViewIsometric,
-                                   static_cast<double>(width) / height);
-  MORTISE_ASSIGN_OR_RETURN(const render::Image image,
-                           render::Render(scene, {.width = width, .height = height}));
-  return render::EncodePng(image);
+  return PictureOf(std::move(scene), width, height);
+}
+
+absl::StatusOr<std::string> DrawMarkedParts(const OpenModel& model, ModelDrawings& drawings,
+                                            const std::map<std::string, render::Color>& marked,
+                                            int width, int height) {
+  render::Scene scene;
+  MORTISE_RETURN_IF_ERROR(AddDesign(
+      model, *model.body, drawings,
+      [&](const ColoredPart& part) {
+        const auto found = marked.find(part.name);
+        return found == marked.end() ? kUnmarked : found->second;
+      },
+      scene));
+  return PictureOf(std::move(scene), width, height);
 }
 
 }  // namespace mortise::composer

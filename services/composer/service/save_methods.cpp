@@ -17,6 +17,7 @@
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "services/composer/service/model_change.h"
+#include "services/composer/service/model_loads.h"
 #include "services/composer/service/new_body.h"
 
 namespace mortise::composer::methods {
@@ -77,8 +78,9 @@ absl::StatusOr<v1::Assembly> ImportAssembly(const Composer& composer, const rpc:
 absl::StatusOr<v1::Template> ImportTemplate(const Composer& composer, const rpc::Call& call,
                                             const v1::SaveModelRequest& asked,
                                             const v1::Assembly& assembly, const std::string& name,
-                                            std::int64_t expected) {
+                                            std::int64_t expected, const v1::Template& loads) {
   v1::ImportTemplateRequest request;
+  *request.mutable_template_() = loads;
   request.set_request_id(KeyOf(call, asked, "template"));
   request.set_expected_revision(expected);
   request.mutable_template_()->set_name(name);
@@ -114,6 +116,10 @@ absl::StatusOr<v1::SavedModel> WriteIntoCatalog(const Composer& composer, const 
   MORTISE_ASSIGN_OR_RETURN(const ModelAtWork at_work, OpenFor(composer, call, asked));
   const v1::Model& seen = at_work.seen;
   MORTISE_RETURN_IF_ERROR(CheckComplete(at_work.model));
+  v1::Template loads;
+  if (asked.with_loads()) {
+    MORTISE_ASSIGN_OR_RETURN(loads, LoadsOf(*at_work.model.body, at_work.model, composer.drawings));
+  }
   const std::string id = asked.template_id().empty() ? seen.name().substr(seen.name().find('/') + 1)
                                                      : asked.template_id();
   v1::SavedModel saved;
@@ -132,7 +138,7 @@ absl::StatusOr<v1::SavedModel> WriteIntoCatalog(const Composer& composer, const 
   saved.set_assembly_revision(assembly.revision());
   const absl::StatusOr<v1::Template> made =
       ImportTemplate(composer, call, asked, assembly, saved.template_(),
-                     again ? seen.saved().template_revision() : 0);
+                     again ? seen.saved().template_revision() : 0, loads);
   if (!made.ok()) {
     if (!again && !absl::IsUnavailable(made.status())) TakeBack(composer, call, asked, assembly);
     return made.status();

@@ -1,0 +1,15 @@
+// The method that says whether a model will stand and hold. composer.proto says what it takes and
+// gives.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "common/rpc/call.h"
+#include "mortise/v1/composer.pb.h"
+#include "services/composer/service/composer.h"
+
+namespace mortise::composer::methods {
+
+absl::StatusOr<v1::ModelCheck> CheckModel(const Composer& composer, const rpc::Call& call,
+                                          const v1::CheckModelRequest& asked);
+
+}  // namespace mortise::composer::methods

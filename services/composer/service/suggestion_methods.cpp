@@ -1,0 +1,223 @@
+#include "services/composer/service/suggestion_methods.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/assembly/assembly_design.h"
+#include "common/assembly/sub_tree.h"
+#include "common/base/errors.h"
+#include "common/base/field_violations.h"
+#include "common/base/identifiers.h"
+#include "common/design/costs/design_bill.h"
+#include "common/design/template_validation.h"
+#include "common/messages/vector_codec.h"
+#include "services/composer/service/bundle_contents.h"
+#include "services/composer/service/open_model.h"
+#include "services/composer/suggestions/suggest.h"
+
+namespace mortise::composer::methods {
+namespace {
+
+constexpr int kMaxCount = 50;
+constexpr int kUsualCount = 10;
+constexpr int kMaxItems = 1000;
+constexpr int kMaxMaterials = 100;
+
+template <typename Names>
+void CheckNames(const Names& names, const std::string& field, int most,
+                std::vector<FieldViolation>& findings) {
+  if (names.size() > most) findings.push_back({field, absl::StrCat("are more than ", most)});
+  for (int i = 0; i < std::min(names.size(), most); ++i) {
+    if (ParseResourceName(names.Get(i), field, field).ok()) continue;
+    findings.push_back({absl::StrCat(field, "[", i, "]"), absl::StrCat("is no ", field, "/{id}")});
+  }
+}
+
+absl::Status CheckAsked(const v1::SuggestComponentsRequest& asked) {
+  std::vector<FieldViolation> findings;
+  CheckNames(asked.items(), "items", kMaxItems, findings);
+  CheckNames(asked.materials(), "materials", kMaxMaterials, findings);
+  if (asked.max_price() < 0) findings.push_back({"max_price", "must not be less than 0"});
+  if (asked.count() < 0 || asked.count() > kMaxCount) {
+    findings.push_back({"count", absl::StrCat("must be 1 to ", kMaxCount)});
+  }
+  return parametric::ToStatus(findings);
+}
+
+// A component of the collection, and what it is made of.
+struct Component {
+  std::shared_ptr<const parametric::ParametricAssembly> assembly;
+  std::optional<parametric::Cost> price;  // if all of it is known, in one currency
+};
+
+// Components as they are asked for: those that can be added to a model, within what is asked.
+class Components {
+ public:
+  Components(const v1::SuggestComponentsRequest& asked, const ConnectionOrigins& sources,
+             ModelDrawings& drawings, IsGivenUp is_given_up)
+      : asked_(asked),
+        items_(asked.items().begin(), asked.items().end()),
+        materials_(asked.materials().begin(), asked.materials().end()),
+        sources_(sources),
+        drawings_(drawings),
+        is_given_up_(std::move(is_given_up)) {}
+
+  absl::StatusOr<const parametric::Assembly*> Get(const std::string& assembly,
+                                                  const std::string& node) {
+    const std::pair key(assembly, node);
+    if (!known_.contains(key)) known_.emplace(key, Read(assembly, node));
+    const absl::StatusOr<Component>& component = known_.at(key);
+    if (!component.ok()) return component.status();
+    return &component->assembly->assembly();
+  }
+
+  // Of one that Get has given.
+  const std::optional<parametric::Cost>& PriceOf(const std::string& assembly,
+                                                 const std::string& node) const {
+    return known_.at({assembly, node})->price;
+  }
+
+ private:
+  absl::StatusOr<Component> Read(const std::string& assembly, const std::string& node) {
+    const Drawing& drawing = *sources_.at(assembly).drawing;
+    Component component;
+    MORTISE_ASSIGN_OR_RETURN(component.assembly,
+                             drawings_.Parametrize(drawing, node, is_given_up_));
+    MORTISE_ASSIGN_OR_RETURN(const BundleContents contents, ContentsOf(drawing.bundle));
+    const parametric::DesignBill bill = parametric::BillOf(
+        parametric::DesignAt(*component.assembly, component.assembly->drawn(), contents.items, {}),
+        contents.items);
+    if (bill.unpriced == 0 && bill.totals.size() == 1) component.price = bill.totals.front();
+    if (asked_.max_price() > 0 &&
+        (!component.price || component.price->amount > asked_.max_price())) {
+      return absl::NotFoundError("costs too much");
+    }
+    for (const parametric::BillLine& line : bill.lines) {
+      if (!IsAtHand(line.item, contents)) return absl::NotFoundError("is not at hand");
+    }
+    return component;
+  }
+
+  bool IsAtHand(const std::string& name, const BundleContents& contents) const {
+    if (items_.empty() && materials_.empty()) return true;
+    const parametric::Item* const item = parametric::FindItem(contents.items, name);
+    return items_.contains(name) || (item != nullptr && materials_.contains(item->material));
+  }
+
+  const v1::SuggestComponentsRequest& asked_;
+  const std::set<std::string> items_, materials_;
+  const ConnectionOrigins& sources_;
+  ModelDrawings& drawings_;
+  const IsGivenUp is_given_up_;
+  std::map<std::pair<std::string, std::string>, absl::StatusOr<Component>> known_;
+};
+
+std::vector<const CollectionConnection*> ConnectionsOf(const ConnectionOrigins& sources) {
+  std::vector<const CollectionConnection*> connections;
+  for (const auto& [name, origin] : sources) {
+    for (const CollectionConnection& each : *origin.connections) connections.push_back(&each);
+  }
+  return connections;
+}
+
+// Leaves out what AddComponent would refuse: made of other revisions of items, with other sizes.
+void LeaveOutOtherItems(const Drawing& body, ConnectionOrigins& sources) {
+  std::erase_if(sources, [&](const auto& source) {
+    v1::AssemblyBundle together = body.bundle;
+    return !CombineItems(source.second.drawing->bundle, &together).ok();
+  });
+}
+
+SameMaterial SameMaterialIn(const Drawing& body, const ConnectionOrigins& sources) {
+  std::map<std::string, std::string> materials;
+  for (const auto& [name, origin] : sources) {
+    for (const v1::Item& item : origin.drawing->bundle.items()) {
+      materials[item.name()] = item.material();
+    }
+  }
+  for (const v1::Item& item : body.bundle.items()) materials[item.name()] = item.material();
+  return [materials = std::move(materials)](const std::string& item, const std::string& other) {
+    if (item == other) return true;
+    const auto found = materials.find(item), others = materials.find(other);
+    return found != materials.end() && others != materials.end() && !found->second.empty() &&
+           found->second == others->second;
+  };
+}
+
+v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOrigin& origin,
+                                const std::optional<parametric::Cost>& price) {
+  v1::ComponentSuggestion message;
+  message.set_template_(origin.template_name);
+  message.set_template_revision(origin.template_revision);
+  message.set_group(suggestion.node);
+  *message.mutable_position() = VectorToProto(suggestion.position);
+  message.set_element(suggestion.element);
+  message.set_element_there(suggestion.element_there);
+  message.set_text(absl::StrFormat(
+      "'%s' is held by '%s' in %s, which is %s as '%s'", suggestion.partner,
+      suggestion.element_there, suggestion.from->source,
+      suggestion.distance < 1e-6 ? "as large" : "nearly as large", suggestion.element));
+  message.set_distance(suggestion.distance);
+  message.set_held_by(suggestion.held_by);
+  message.set_assemblies(suggestion.assemblies);
+  if (price) {
+    message.mutable_price()->set_currency(price->currency);
+    message.mutable_price()->set_amount(price->amount);
+  }
+  message.set_score(suggestion.score);
+  return message;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
+    const Composer& composer, const rpc::Call& call, const v1::SuggestComponentsRequest& asked) {
+  MORTISE_RETURN_IF_ERROR(CheckAsked(asked));
+  const IsGivenUp is_given_up = [&call] { return call.cancelled(); };
+  MORTISE_ASSIGN_OR_RETURN(const StoredModel stored, ReadModel(*composer.store, asked.name()));
+  MORTISE_ASSIGN_OR_RETURN(const OpenModel model, Open(stored, composer.drawings, is_given_up));
+  if (!model.body) {
+    return PreconditionFailed("MODEL_EMPTY", absl::StrCat("nothing is in ", model.name, " yet"),
+                              "name");
+  }
+  const Design& body = model.body->design;
+  SuggestOptions options;
+  options.count = asked.count() == 0 ? kUsualCount : asked.count();
+  if (!asked.node().empty()) {
+    const auto named = parametric::PartsOfNode(body.assembly->assembly(), asked.node());
+    if (!named.ok()) return InvalidField("node", std::string(named.status().message()));
+    options.near = {named->begin(), named->end()};
+  }
+  MORTISE_ASSIGN_OR_RETURN(const auto drawing,
+                           composer.drawings.Get(model.name, model.body->drawing));
+  MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
+                           composer.collection.All(rpc::ForwardedFrom(call), is_given_up));
+  LeaveOutOtherItems(*drawing, sources);
+  options.same_material = SameMaterialIn(*drawing, sources);
+  Components components(asked, sources, composer.drawings, is_given_up);
+  const std::vector<Suggestion> found = Suggest(
+      body, ConnectionsOf(sources),
+      [&](const std::string& assembly, const std::string& node) {
+        return components.Get(assembly, node);
+      },
+      options);
+  if (call.cancelled()) return absl::CancelledError("nobody waits for the answer any more");
+  v1::ComponentSuggestions message;
+  message.set_revision(stored.head.revision());
+  for (const Suggestion& each : found) {
+    const std::string& source = each.from->source;
+    *message.add_suggestions() =
+        ToProto(each, sources.at(source), components.PriceOf(source, each.node));
+  }
+  return message;
+}
+
+}  // namespace mortise::composer::methods
