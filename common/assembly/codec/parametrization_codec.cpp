@@ -165,7 +165,13 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
-    const std::string& group, const std::vector<const ParametricAssembly*>& known) {
+    const std::string& group) {
+  return ParametrizeKnowing({}, bundle, is_given_up, group);
+}
+
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
+    const std::vector<const ParametricAssembly*>& known, const v1::AssemblyBundle& bundle,
+    const std::function<bool()>& is_given_up, const std::string& group) {
   std::vector<Item> items;
   for (const v1::Item& message : bundle.items()) {
     MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));

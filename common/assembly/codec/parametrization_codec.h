@@ -29,11 +29,14 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 // everything that is wrong with it, fields as the message has them; FAILED_PRECONDITION as
 // ParametricAssembly::Create, and CANCELLED. Takes up to seconds for hundreds of parts. With a
 // `group`, the sub-tree below it by itself (sub_tree.h), "group" naming what is wrong with that.
-// What is `known` need not be found again, and changes nothing else.
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle,
-    const std::function<bool()>& is_given_up = [] { return false; }, const std::string& group = "",
-    const std::vector<const ParametricAssembly*>& known = {});
+    const std::function<bool()>& is_given_up = [] { return false; }, const std::string& group = "");
+
+// Does the same; what is `known` need not be found again, and changes nothing else.
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
+    const std::vector<const ParametricAssembly*>& known, const v1::AssemblyBundle& bundle,
+    const std::function<bool()>& is_given_up, const std::string& group);
 
 // Everything but the name and revision. Fails as ParametricAssembly::DegreesOfFreedom does.
 absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& assembly);
