@@ -55,7 +55,7 @@ std::string AuditKey(absl::Time time) {
 
 }  // namespace
 
-absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call, const Message& request) {
+absl::StatusOr<MutationKey> MakeMutationKey(const Call& call, const Message& request) {
   MutationKey key;
   key.request_id = StringField(request, "request_id");
   if (key.request_id.empty()) {
@@ -69,8 +69,8 @@ absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call, const Message
     return InvalidField("request_id", "must be at most 128 printable ASCII characters");
   }
   key.request_sha256 = Sha256Hex(SerializeDeterministically(request));
-  key.record_key = Sha256Hex(
-      absl::StrCat(call.method().name, "\n", call.identity().subject, "\n", key.request_id));
+  key.record_key =
+      Sha256Hex(absl::StrCat(call.method(), "\n", call.identity().subject, "\n", key.request_id));
   return key;
 }
 
@@ -91,14 +91,14 @@ absl::StatusOr<bool> FindAnswer(store::ReadTransaction& transaction, const Mutat
 }
 
 absl::Status RecordMutation(store::Transaction& transaction, std::string_view service,
-                            const CallState& call, const MutationKey& key, const Message& request,
+                            const Call& call, const MutationKey& key, const Message& request,
                             const Message& response) {
   MORTISE_RETURN_IF_ERROR(
       transaction.Put(kAnswers, key.record_key, key.request_sha256 + response.SerializeAsString())
           .status());
   v1::AuditRecord record;
   record.set_service(std::string(service));
-  record.set_method(call.method().name);
+  record.set_method(call.method());
   record.set_subject(call.identity().subject);
   record.set_request_id(key.request_id);
   record.set_trace_id(call.identity().trace_id);

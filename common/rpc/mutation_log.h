@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/resources/record_page.h"
-#include "common/rpc/call_state.h"
+#include "common/rpc/call.h"
 
 namespace google::protobuf {
 class Message;
@@ -34,7 +34,7 @@ struct MutationKey {
 
 // INVALID_ARGUMENT naming request_id if it is missing, longer than 128 bytes, or has characters
 // other than printable ASCII.
-absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call,
+absl::StatusOr<MutationKey> MakeMutationKey(const Call& call,
                                             const google::protobuf::Message& request);
 
 // Fills `response` and returns true if this request was answered before. INVALID_ARGUMENT naming
@@ -42,9 +42,9 @@ absl::StatusOr<MutationKey> MakeMutationKey(const CallState& call,
 absl::StatusOr<bool> FindAnswer(store::ReadTransaction& transaction, const MutationKey& key,
                                 google::protobuf::Message* response);
 
-// Keeps the answer and the audit record.
+// Keeps the answer and the audit record. `service`: the process that made the change.
 absl::Status RecordMutation(store::Transaction& transaction, std::string_view service,
-                            const CallState& call, const MutationKey& key,
+                            const Call& call, const MutationKey& key,
                             const google::protobuf::Message& request,
                             const google::protobuf::Message& response);
 

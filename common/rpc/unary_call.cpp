@@ -20,7 +20,7 @@ absl::Status RunMutation(const Call& call, const CallState& state, const Message
                          Message* response, const MutationSteps& steps) {
   store::Store* store = state.dispatcher()->options().store;
   if (store == nullptr) return absl::InternalError("this process has no store to change");
-  MORTISE_ASSIGN_OR_RETURN(const MutationKey key, MakeMutationKey(state, request));
+  MORTISE_ASSIGN_OR_RETURN(const MutationKey key, MakeMutationKey(call, request));
 
   bool answered = false;
   const auto find_answer = [&](store::ReadTransaction& transaction) -> absl::Status {
@@ -38,7 +38,7 @@ absl::Status RunMutation(const Call& call, const CallState& state, const Message
       MORTISE_RETURN_IF_ERROR(find_answer(transaction));
       if (answered) return absl::OkStatus();
       MORTISE_RETURN_IF_ERROR(steps.change(call, transaction));
-      return RecordMutation(transaction, state.dispatcher()->options().service, state, key, request,
+      return RecordMutation(transaction, state.dispatcher()->options().service, call, key, request,
                             *response);
     });
   });

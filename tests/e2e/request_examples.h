@@ -266,6 +266,9 @@ inline constexpr Example kExamples[] = {
     {"ComposerService/CheckModel", "name: '{model}'"},
     {"ComposerService/GetModelBill", "name: '{model}'"},
     {"ComposerService/SuggestComponents", "name: '{model}' count: 2"},
+    {"ComposerService/PreviewDrag",
+     "name: '{model}' revision: 3 control: 'width' value: 1.2 since_value: 1.1"},
+    {"ComposerService/DragNode", "begin { name: '{model}' revision: 3 control: 'width' }"},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "

@@ -18,7 +18,6 @@
 #include "common/messages/vector_codec.h"
 #include "services/composer/connecting/connect.h"
 #include "services/composer/service/new_body.h"
-#include "services/composer/service/node_controls.h"
 #include "services/composer/snapping/snap.h"
 
 namespace mortise::composer::methods {
@@ -218,26 +217,6 @@ void TellOf(const Connected& connected, v1::ModelComponent* component, OpenModel
   }
 }
 
-// Whatever moves or resizes a component makes it one that has not snapped.
-void SetPlaced(OpenModel& model, const std::string& id) {
-  for (v1::ModelComponent& component : model.components) {
-    if (component.id() != id) continue;
-    component.set_state(v1::ModelComponent::PLACED);
-    component.clear_alignments();
-  }
-}
-
-// The design of a model that a node is of.
-absl::StatusOr<Design*> DesignWithNode(OpenModel& model, const std::string& component) {
-  if (!component.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(OpenLoose* const loose, FindLoose(model, component));
-    return &loose->part.design;
-  }
-  if (model.body) return &model.body->design;
-  return PreconditionFailed("MODEL_EMPTY", absl::StrCat("nothing is in ", model.name, " yet"),
-                            "name");
-}
-
 }  // namespace
 
 absl::StatusOr<ModelChange> AddComponent(const Composer& composer, const rpc::Call& call,
@@ -336,31 +315,6 @@ absl::StatusOr<ModelChange> MoveComponent(const Composer& composer, const rpc::C
   return at_work.Done(absl::StrCat("move ", asked.component()));
 }
 
-absl::StatusOr<v1::NodeControls> GetNodeControls(const Composer& composer, const rpc::Call& call,
-                                                 const v1::GetNodeControlsRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const StoredModel stored, ReadModel(*composer.store, asked.name()));
-  MORTISE_ASSIGN_OR_RETURN(OpenModel model, Open(stored, composer.drawings, GivenUpWith(call)));
-  MORTISE_ASSIGN_OR_RETURN(const Design* const design, DesignWithNode(model, asked.component()));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<Control> controls, ControlsOf(*design, asked.node()));
-  v1::NodeControls message;
-  message.set_revision(stored.head.revision());
-  for (const Control& control : controls) *message.add_controls() = ToProto(control);
-  return message;
-}
-
-absl::StatusOr<ModelChange> DragControl(const Composer& composer, const rpc::Call& call,
-                                        const v1::DragControlRequest& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const ControlName control, ParseControl(asked.control()));
-  MORTISE_ASSIGN_OR_RETURN(ModelAtWork at_work, OpenFor(composer, call, asked));
-  MORTISE_ASSIGN_OR_RETURN(Design* const design, DesignWithNode(at_work.model, asked.component()));
-  MORTISE_ASSIGN_OR_RETURN(*design,
-                           Drag(*design, asked.node(), control.kind, control.axis, asked.value()));
-  if (!asked.component().empty()) SetPlaced(at_work.model, asked.component());
-  const std::string& what = asked.node().empty() ? asked.component() : asked.node();
-  return at_work.Done(
-      absl::StrCat("drag ", asked.control(), what.empty() ? "" : absl::StrCat(" of ", what)));
-}
-
 absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call& call,
                                        const v1::RemoveNodeRequest& asked) {
   if (asked.component().empty() == asked.node().empty()) {
@@ -375,7 +329,7 @@ absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call
     std::erase_if(model.components, is_it);
     return at_work.Done(absl::StrCat("remove ", asked.component()));
   }
-  MORTISE_RETURN_IF_ERROR(DesignWithNode(model, "").status());
+  MORTISE_RETURN_IF_ERROR(FindDesign(model, "").status());
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeWithout(asked.node(), composer.drawings, GivenUpWith(call), &model));
   return at_work.Done(absl::StrCat("remove ", asked.node()), {drawing});

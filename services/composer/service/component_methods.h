@@ -23,12 +23,6 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
 absl::StatusOr<ModelChange> MoveComponent(const Composer& composer, const rpc::Call& call,
                                           const v1::MoveComponentRequest& asked);
 
-absl::StatusOr<v1::NodeControls> GetNodeControls(const Composer& composer, const rpc::Call& call,
-                                                 const v1::GetNodeControlsRequest& asked);
-
-absl::StatusOr<ModelChange> DragControl(const Composer& composer, const rpc::Call& call,
-                                        const v1::DragControlRequest& asked);
-
 absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call& call,
                                        const v1::RemoveNodeRequest& asked);
 

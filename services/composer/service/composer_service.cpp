@@ -10,6 +10,7 @@
 #include "services/composer/service/check_methods.h"
 #include "services/composer/service/component_methods.h"
 #include "services/composer/service/composer.h"
+#include "services/composer/service/drag_methods.h"
 #include "services/composer/service/model_methods.h"
 #include "services/composer/service/save_methods.h"
 #include "services/composer/service/suggestion_methods.h"
@@ -26,7 +27,8 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
         drawings_(environment.store),
         origins_(catalog_),
         collection_(catalog_, &origins_, &drawings_),
-        composer_{environment.store, drawings_, origins_, collection_, catalog_},
+        composer_{environment.store,       drawings_, origins_, collection_, drags_, catalog_,
+                  environment.options.name},
         endpoint_(environment.dispatcher, "mortise.v1.ComposerService") {}
 
   MORTISE_MUTATION(CreateModel, rpc::With(composer_, methods::CreateModel))
@@ -56,12 +58,15 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
   MORTISE_QUERY(CheckModel, rpc::With(composer_, methods::CheckModel))
   MORTISE_QUERY(GetModelBill, rpc::With(composer_, methods::GetModelBill))
   MORTISE_QUERY(SuggestComponents, rpc::With(composer_, methods::SuggestComponents))
+  MORTISE_QUERY(PreviewDrag, rpc::With(composer_, methods::PreviewDrag))
+  MORTISE_BIDI(DragNode, rpc::With(composer_, methods::DragNode), {.endless = true})
 
  private:
   const std::shared_ptr<grpc::Channel> catalog_;
   ModelDrawings drawings_;
   OriginSource origins_;
   CollectionConnections collection_;
+  DragCache drags_;
   const Composer composer_;
   rpc::Endpoint endpoint_;
 };

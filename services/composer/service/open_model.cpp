@@ -45,26 +45,15 @@ class ComponentBox {
   Sum principal_, connecting_;
 };
 
-// Adds the parts and groups of a design to what clients see. `owner_of` names the component of a
-// part as it is drawn; `component` that of the groups.
-template <typename OwnerOf>
-void Show(const Design& design, const std::string& component, const OwnerOf& owner_of,
+// Adds the parts and groups of a design to what clients see.
+void Show(const OpenModel& model, const std::string& component, const Design& design,
           std::map<std::string, ComponentBox>& boxes, v1::Model* shown) {
-  const Assembly& assembly = design.assembly->assembly();
-  for (const PlacedPart& placed : PartsOf(design)) {
-    const Element& element = design.assembly->elements()[static_cast<std::size_t>(placed.element)];
-    const auto drawn = static_cast<std::size_t>(element.parts.front());
-    v1::ModelPart* const part = shown->add_parts();
-    part->set_name(placed.name);
-    part->set_component(owner_of(assembly.parts[drawn].name));
-    part->set_element(element.name);
-    part->set_group(GroupName(assembly, element.group));
-    part->set_item(element.item);
-    part->set_connecting(element.connecting);
-    *part->mutable_minimum() = VectorToProto(placed.box.minimum);
-    *part->mutable_maximum() = VectorToProto(placed.box.maximum);
-    boxes[part->component()].Add(placed.box, element.connecting);
+  for (v1::ModelPart& part : ShownParts(model, component, design)) {
+    boxes[part.component()].Add({VectorFromProto(part.minimum()), VectorFromProto(part.maximum())},
+                                part.connecting());
+    *shown->add_parts() = std::move(part);
   }
+  const Assembly& assembly = design.assembly->assembly();
   for (std::size_t i = 1; i < assembly.groups.size(); ++i) {
     v1::ModelGroup* const group = shown->add_groups();
     group->set_name(assembly.groups[i].name);
@@ -102,11 +91,7 @@ ModelState StateOf(const OpenModel& model) {
   std::map<std::string, ComponentBox> boxes;
   if (model.body) {
     *state.mutable_body() = StateOf(model.body->design, model.body->drawing, model.body->group);
-    const auto owner_of = [&](const std::string& part) {
-      const auto found = model.owners.find(part);
-      return found == model.owners.end() ? std::string() : found->second;
-    };
-    Show(model.body->design, "", owner_of, boxes, &shown);
+    Show(model, "", model.body->design, boxes, &shown);
   }
   for (const auto& [part, component] : model.owners) {
     PartOwner* const owner = state.add_owners();
@@ -117,8 +102,7 @@ ModelState StateOf(const OpenModel& model) {
     LooseComponent* const kept = state.add_loose();
     kept->set_id(loose.id);
     *kept->mutable_design() = StateOf(loose.part.design, loose.part.drawing, loose.part.group);
-    Show(
-        loose.part.design, loose.id, [&](const std::string&) { return loose.id; }, boxes, &shown);
+    Show(model, loose.id, loose.part.design, boxes, &shown);
   }
   for (const v1::ModelComponent& component : model.components) {
     v1::ModelComponent* const added = shown.add_components();
@@ -127,6 +111,31 @@ ModelState StateOf(const OpenModel& model) {
   }
   for (const v1::ModelWarning& warning : model.warnings) *shown.add_warnings() = warning;
   return state;
+}
+
+std::vector<v1::ModelPart> ShownParts(const OpenModel& model, const std::string& component,
+                                      const Design& design) {
+  const Assembly& assembly = design.assembly->assembly();
+  const auto owner_of = [&](const std::string& part) {
+    if (!component.empty()) return component;
+    const auto found = model.owners.find(part);
+    return found == model.owners.end() ? std::string() : found->second;
+  };
+  std::vector<v1::ModelPart> parts;
+  for (const PlacedPart& placed : PartsOf(design)) {
+    const Element& element = design.assembly->elements()[static_cast<std::size_t>(placed.element)];
+    const auto drawn = static_cast<std::size_t>(element.parts.front());
+    v1::ModelPart& part = parts.emplace_back();
+    part.set_name(placed.name);
+    part.set_component(owner_of(assembly.parts[drawn].name));
+    part.set_element(element.name);
+    part.set_group(GroupName(assembly, element.group));
+    part.set_item(element.item);
+    part.set_connecting(element.connecting);
+    *part.mutable_minimum() = VectorToProto(placed.box.minimum);
+    *part.mutable_maximum() = VectorToProto(placed.box.maximum);
+  }
+  return parts;
 }
 
 absl::StatusOr<v1::ModelComponent*> FindComponent(OpenModel& model, const std::string& id) {
@@ -145,6 +154,24 @@ absl::StatusOr<OpenLoose*> FindLoose(OpenModel& model, const std::string& id) {
   return PreconditionFailed("COMPONENT_CONNECTED",
                             absl::StrCat("'", id, "' is of one piece with the rest already"),
                             "component");
+}
+
+absl::StatusOr<OpenDesign*> FindDesign(OpenModel& model, const std::string& component) {
+  if (!component.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(OpenLoose* const loose, FindLoose(model, component));
+    return &loose->part;
+  }
+  if (model.body) return &*model.body;
+  return PreconditionFailed("MODEL_EMPTY", absl::StrCat("nothing is in ", model.name, " yet"),
+                            "name");
+}
+
+void SetPlaced(OpenModel& model, const std::string& component) {
+  for (v1::ModelComponent& each : model.components) {
+    if (each.id() != component) continue;
+    each.set_state(v1::ModelComponent::PLACED);
+    each.clear_alignments();
+  }
 }
 
 void MoveTo(const Eigen::Vector3d& position, Design* design) {

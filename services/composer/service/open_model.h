@@ -44,12 +44,24 @@ absl::StatusOr<OpenModel> Open(const StoredModel& stored, ModelDrawings& drawing
 // Returns the state of a model as it is now, with what clients see of it.
 ModelState StateOf(const OpenModel& model);
 
+// Returns what clients see of the parts of a design that takes the place of the body or, if
+// `component` is not empty, of that loose component.
+std::vector<v1::ModelPart> ShownParts(const OpenModel& model, const std::string& component,
+                                      const Design& design);
+
 // Returns the component of an id. INVALID_ARGUMENT, "component".
 absl::StatusOr<v1::ModelComponent*> FindComponent(OpenModel& model, const std::string& id);
 
 // Returns the component, which must not be connected. INVALID_ARGUMENT; FAILED_PRECONDITION,
 // COMPONENT_CONNECTED.
 absl::StatusOr<OpenLoose*> FindLoose(OpenModel& model, const std::string& id);
+
+// Returns the design of a model that a node is of: the body, or the loose component that is named.
+// Fails as FindLoose; FAILED_PRECONDITION, MODEL_EMPTY, where there is no body.
+absl::StatusOr<OpenDesign*> FindDesign(OpenModel& model, const std::string& component);
+
+// Says that a loose component has been moved or resized since it snapped.
+void SetPlaced(OpenModel& model, const std::string& component);
 
 // Moves a design so that the middle of the lower side of its box is there, m.
 void MoveTo(const Eigen::Vector3d& position, Design* design);

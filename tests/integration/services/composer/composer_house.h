@@ -55,6 +55,7 @@ class ComposerHouse {
   }
 
   ServiceUnderTest& catalog_process() { return catalog_; }
+  const std::string& composer_address() const { return composer_.address(); }
   v1::ComposerService::Stub& composer() { return *stub_; }
   v1::CatalogService::Stub& catalog() { return *catalog_stub_; }
   v1::AssemblyService::Stub& assemblies() { return *assemblies_; }
