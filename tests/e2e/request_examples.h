@@ -268,6 +268,7 @@ inline constexpr Example kExamples[] = {
     {"ComposerService/SuggestComponents", "name: '{model}' count: 2"},
     {"ComposerService/PreviewDrag",
      "name: '{model}' revision: 3 control: 'width' value: 1.2 since_value: 1.1"},
+    {"ComposerService/ListModelSteps", "name: '{model}' after_revision: 1 page_size: 10"},
     {"ComposerService/DragNode", "begin { name: '{model}' revision: 3 control: 'width' }"},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",

@@ -59,6 +59,7 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
   MORTISE_QUERY(GetModelBill, rpc::With(composer_, methods::GetModelBill))
   MORTISE_QUERY(SuggestComponents, rpc::With(composer_, methods::SuggestComponents))
   MORTISE_QUERY(PreviewDrag, rpc::With(composer_, methods::PreviewDrag))
+  MORTISE_QUERY(ListModelSteps, rpc::With(composer_, methods::ListModelSteps))
   MORTISE_BIDI(DragNode, rpc::With(composer_, methods::DragNode), {.endless = true})
 
  private:

@@ -15,6 +15,7 @@
 #include "common/host/call_author.h"
 #include "common/resources/resource_tags.h"
 #include "services/composer/service/drawing_records.h"
+#include "services/composer/service/model_history.h"
 #include "services/composer/service/model_picture.h"
 #include "services/composer/service/model_records.h"
 
@@ -156,6 +157,12 @@ absl::StatusOr<v1::Model> RedoModel(const Composer&, const rpc::Call& call,
                                     const v1::RedoModelRequest& asked,
                                     store::Transaction& transaction) {
   return Move(call, asked.name(), asked.revision(), HistoryMove::kRedo, transaction);
+}
+
+absl::StatusOr<v1::ListModelStepsResponse> ListModelSteps(const Composer& composer,
+                                                          const rpc::Call&,
+                                                          const v1::ListModelStepsRequest& asked) {
+  return ReadRevisions(*composer.store, asked);
 }
 
 absl::StatusOr<v1::ModelPicture> DrawModel(const Composer& composer, const rpc::Call& call,

@@ -40,6 +40,10 @@ absl::StatusOr<v1::Model> RedoModel(const Composer& composer, const rpc::Call& c
                                     const v1::RedoModelRequest& asked,
                                     store::Transaction& transaction);
 
+absl::StatusOr<v1::ListModelStepsResponse> ListModelSteps(const Composer& composer,
+                                                          const rpc::Call& call,
+                                                          const v1::ListModelStepsRequest& asked);
+
 // A picture as a message.
 absl::StatusOr<v1::ModelPicture> DrawModel(const Composer& composer, const rpc::Call& call,
                                            const v1::DrawModelRequest& asked);

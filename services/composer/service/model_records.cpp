@@ -11,6 +11,7 @@
 #include "common/base/identifiers.h"
 #include "common/messages/message_digest.h"
 #include "services/composer/service/drawing_records.h"
+#include "services/composer/service/model_history.h"
 
 namespace mortise::composer {
 namespace {
@@ -149,6 +150,8 @@ absl::StatusOr<StoredModel> CreateRecord(store::Transaction& transaction, const 
   *head.mutable_create_time() = TimeOf(transaction);
   MORTISE_RETURN_IF_ERROR(WriteStep(transaction, 0, state, step, author, &head));
   MORTISE_RETURN_IF_ERROR(WriteHead(transaction, head));
+  MORTISE_RETURN_IF_ERROR(
+      PutRevision(transaction, head, head.last_step(), v1::Model(), state.shown(), author));
   MORTISE_RETURN_IF_ERROR(Tell(transaction, "created", head, author));
   return StoredModel{std::move(head), std::move(state)};
 }
@@ -159,6 +162,8 @@ absl::StatusOr<StoredModel> AddStep(store::Transaction& transaction, const v1::M
   // Tags may have changed meanwhile.
   MORTISE_ASSIGN_OR_RETURN(v1::Model head, kModels.Get(transaction, seen.name()));
   MORTISE_RETURN_IF_ERROR(CheckRevision(head, seen.revision()));
+  MORTISE_ASSIGN_OR_RETURN(const ModelStep before,
+                           ReadStep(transaction, head.name(), head.undo_steps()));
   const int number = head.undo_steps() + 1;
   for (int undone = 0; undone < head.redo_steps(); ++undone) {
     MORTISE_RETURN_IF_ERROR(transaction.Delete(kSteps, StepKey(head.name(), number + undone)));
@@ -168,6 +173,8 @@ absl::StatusOr<StoredModel> AddStep(store::Transaction& transaction, const v1::M
   head.set_redo_steps(0);
   MORTISE_RETURN_IF_ERROR(WriteStep(transaction, number, state, step, author, &head));
   MORTISE_RETURN_IF_ERROR(WriteHead(transaction, head));
+  MORTISE_RETURN_IF_ERROR(PutRevision(transaction, head, head.last_step(), before.state().shown(),
+                                      state.shown(), author));
   MORTISE_RETURN_IF_ERROR(Tell(transaction, "updated", head, author));
   return StoredModel{std::move(head), std::move(state)};
 }
@@ -186,6 +193,7 @@ absl::StatusOr<StoredModel> MoveInHistory(store::Transaction& transaction, const
         "NOTHING_TO_REDO", absl::StrCat("nothing of ", name, " was undone since its last change"),
         "name");
   }
+  MORTISE_ASSIGN_OR_RETURN(const ModelStep before, ReadStep(transaction, name, head.undo_steps()));
   const int forward = undo ? -1 : 1;
   head.set_revision(head.revision() + 1);
   head.set_undo_steps(head.undo_steps() + forward);
@@ -196,6 +204,9 @@ absl::StatusOr<StoredModel> MoveInHistory(store::Transaction& transaction, const
   SetComponents(step.state().shown(), &head);
   *head.mutable_update_time() = TimeOf(transaction);
   MORTISE_RETURN_IF_ERROR(WriteHead(transaction, head));
+  MORTISE_RETURN_IF_ERROR(PutRevision(
+      transaction, head, absl::StrCat(undo ? "undo " : "redo ", undo ? before.text() : step.text()),
+      before.state().shown(), step.state().shown(), author));
   MORTISE_RETURN_IF_ERROR(Tell(transaction, "updated", head, author));
   return StoredModel{std::move(head), std::move(*step.mutable_state())};
 }
@@ -211,7 +222,7 @@ absl::Status DeleteRecords(store::Transaction& transaction, const std::string& n
   MORTISE_ASSIGN_OR_RETURN(const v1::Model head, kModels.Get(transaction, name));
   MORTISE_RETURN_IF_ERROR(CheckRevision(head, revision));
   const std::string prefix = IdOf(name) + "/";
-  for (const char* kind : {kSteps, kDrawings, kShapes}) {
+  for (const char* kind : {kSteps, kDrawings, kShapes, kRevisions}) {
     MORTISE_RETURN_IF_ERROR(DeleteBelow(transaction, kind, prefix));
   }
   MORTISE_RETURN_IF_ERROR(transaction.Delete(kModels.kind, IdOf(name)));

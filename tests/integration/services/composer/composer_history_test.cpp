@@ -88,6 +88,48 @@ TEST_F(ComposerHistoryTest, OfTwoWritersOneLosesNothingAndGoesOn) {
   EXPECT_TRUE(house_->Add(first, "bookshelf", "shelf 3", "shelf").ok());
 }
 
+// Who was refused reads what happened since the revision that they saw.
+TEST_F(ComposerHistoryTest, WhatHappenedMeanwhileCanBeRead) {
+  const v1::Model empty = house_->New("told");
+  const v1::Model seen = Good(house_->Add(empty, "dining-table", "frame", "frame"));
+  v1::Model model = Good(house_->Add(seen, "dining-table", "top", "top"));
+  model = Good(house_->Drag(model, "", "width", 1.8));
+  model = Good(house_->Undo(model));
+  v1::ListModelStepsRequest request;
+  request.set_name(seen.name());
+  request.set_after_revision(seen.revision());
+  request.set_page_size(2);
+  v1::ListModelStepsResponse page = Good(Call(house_->composer(), &Stub::ListModelSteps, request));
+  ASSERT_EQ(page.steps_size(), 2);
+  const v1::ModelStep& added = page.steps(0);
+  EXPECT_EQ(added.revision(), seen.revision() + 1);
+  EXPECT_EQ(added.text(), "add top");
+  EXPECT_FALSE(added.user().empty());
+  ASSERT_EQ(added.components_size(), 1);
+  EXPECT_EQ(added.components(0).id(), "top");
+  EXPECT_EQ(added.components(0).change(), v1::ModelStep::ADDED);
+  ASSERT_GT(added.parts_size(), 0);
+  EXPECT_EQ(added.parts(0).change(), v1::ModelStep::ADDED);
+  const v1::ModelStep& dragged = page.steps(1);
+  ASSERT_EQ(dragged.components_size(), 1);
+  EXPECT_EQ(dragged.components(0).id(), "frame");
+  EXPECT_EQ(dragged.components(0).change(), v1::ModelStep::CHANGED);
+  request.set_page_token(page.next_page_token());
+  page = Good(Call(house_->composer(), &Stub::ListModelSteps, request));
+  ASSERT_EQ(page.steps_size(), 1);
+  EXPECT_EQ(page.steps(0).text(), "undo drag width");
+  EXPECT_EQ(page.steps(0).digest(), model.digest());
+  EXPECT_TRUE(page.next_page_token().empty());
+  request.clear_page_token();
+  request.set_after_revision(-1);
+  EXPECT_EQ(DetailOf(Call(house_->composer(), &Stub::ListModelSteps, request).status()).field,
+            "after_revision");
+  request.set_name("models/never");
+  request.set_after_revision(0);
+  EXPECT_EQ(Call(house_->composer(), &Stub::ListModelSteps, request).status().code(),
+            absl::StatusCode::kNotFound);
+}
+
 TEST_F(ComposerHistoryTest, ARepeatedRequestIsDoneOnce) {
   const v1::Model empty = house_->New("repeated");
   v1::AddComponentRequest request;
