@@ -34,25 +34,30 @@ bool IsInProportion(const mesh::BoxStretch& stretch) {
   return true;
 }
 
-// The shape as it is stretched, as if it had been drawn so.
+// The shape as it is stretched, as if it had been drawn so. `divided` is the same, with its
+// triangles cut at the levels of the stretch (ShapeOf).
 absl::StatusOr<std::shared_ptr<const mesh::DrawnShape>> ShapeStretched(
-    const std::shared_ptr<const mesh::DrawnShape>& shape, const mesh::BoxStretch& stretch,
+    const std::shared_ptr<const mesh::DrawnShape>& shape,
+    const std::shared_ptr<const mesh::DrawnShape>& divided, const mesh::BoxStretch& stretch,
     const std::string& name) {
-  if (shape == nullptr || IsInProportion(stretch)) return shape;
-  if (!shape->brep.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid, cad::SolidOfShape(*shape, stretch, name));
+  if (divided == nullptr) return divided;
+  if (IsInProportion(stretch)) return shape;
+  if (!divided->brep.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const cad::Solid solid, cad::SolidOfShape(*divided, stretch, name));
     MORTISE_ASSIGN_OR_RETURN(mesh::DrawnShape made,
                              cad::ShapeOfSolid(solid, Eigen::Matrix3d::Identity(),
                                                Eigen::Vector3d::Zero(), stretch.size));
     return std::make_shared<const mesh::DrawnShape>(std::move(made));
   }
-  mesh::DrawnShape made = *shape;
+  mesh::DrawnShape made = *divided;
   made.name.clear();
   made.size = stretch.size;
-  made.volume = mesh::VolumeIn(*shape, stretch);
-  made.deflection = mesh::DeflectionIn(*shape, stretch);
-  const mesh::SurfaceMesh surface = mesh::SurfaceIn(*shape, stretch);
+  made.volume = mesh::VolumeIn(*divided, stretch);
+  made.deflection = mesh::DeflectionIn(*divided, stretch);
+  const mesh::SurfaceMesh surface = mesh::SurfaceIn(*divided, stretch);
   made.fractions = stretch.size.cwiseInverse().asDiagonal() * surface.vertices;
+  made.missed_volumes.resize(0);
+  made.turn.setIdentity();
   mesh::DeriveFaces(made);
   return std::make_shared<const mesh::DrawnShape>(std::move(made));
 }
@@ -138,9 +143,8 @@ absl::StatusOr<Redrawn> Redraw(const Design& design) {
     part.box = placed.box;
     MovePlanes(original, placed, part);
     KeepLimits(part);
-    MORTISE_ASSIGN_OR_RETURN(part.shape,
-                             ShapeStretched(element.shape == nullptr ? nullptr : original.shape,
-                                            placed.stretch, part.name));
+    MORTISE_ASSIGN_OR_RETURN(
+        part.shape, ShapeStretched(original.shape, element.shape, placed.stretch, part.name));
     made.drawn_as.push_back(original.name);
   }
   made.assembly.joints = drawn.joints;

@@ -11,7 +11,7 @@
 namespace mortise::composer {
 namespace {
 
-constexpr std::size_t kSurfaceBytes = std::size_t{16} << 20;
+constexpr std::size_t kSurfaceBytes = std::size_t{64} << 20;
 
 }  // namespace
 
@@ -35,7 +35,10 @@ absl::StatusOr<ComponentOrigin> OriginSource::Get(const std::string& name, std::
                                                  " is not of an assembly: there is nothing "
                                                  "that it could be connected by"));
   }
-  MORTISE_RETURN_IF_ERROR(shapes_.AddMore(bundle, {}, caller));
+  // What is stretched in pieces, or turned, is made of the exact solid.
+  MORTISE_RETURN_IF_ERROR(
+      shapes_.AddMore(bundle, {bundle.more_shapes().begin(), bundle.more_shapes().end()}, caller));
+  MORTISE_RETURN_IF_ERROR(shapes_.AddExact(*bundle.mutable_shapes(), caller));
   v1::AssemblyBundle assembly;
   *assembly.mutable_assembly() = std::move(*bundle.mutable_assembly());
   *assembly.mutable_items() = std::move(*bundle.mutable_items());

@@ -19,6 +19,7 @@
 #include "services/composer/service/model_change.h"
 #include "services/composer/service/model_loads.h"
 #include "services/composer/service/new_body.h"
+#include "services/composer/service/shape_imports.h"
 
 namespace mortise::composer::methods {
 namespace {
@@ -58,6 +59,20 @@ absl::Status CheckComplete(const OpenModel& model) {
 // An idempotency key for a call that is part of another: repeated with it, it has its effect once.
 std::string KeyOf(const rpc::Call& call, const v1::SaveModelRequest& asked, const char* what) {
   return Sha256Hex(absl::StrCat(call.identity().subject, "\n", asked.request_id(), "\n", what));
+}
+
+// Imports what the model's parts look like and the catalog does not know.
+absl::Status StoreShapes(const Composer& composer, const rpc::Call& call,
+                         const v1::SaveModelRequest& asked, v1::AssemblyBundle* bundle) {
+  const absl::Status stored = ImportShapes(composer.catalog, rpc::ForwardedFrom(call),
+                                           KeyOf(call, asked, "shapes"), bundle);
+  const bool is_of_shape = absl::IsInvalidArgument(stored) || absl::IsResourceExhausted(stored) ||
+                           DetailOf(stored).reason == "SHAPE_NOT_SOLID" ||
+                           DetailOf(stored).reason == "NO_STEP";
+  if (!is_of_shape) return stored;
+  return PreconditionFailed(
+      "MODEL_REFUSED", absl::StrCat("the shape of a part cannot be stored: ", stored.message()),
+      "name");
 }
 
 absl::StatusOr<v1::Assembly> ImportAssembly(const Composer& composer, const rpc::Call& call,
@@ -129,6 +144,7 @@ absl::StatusOr<v1::SavedModel> WriteIntoCatalog(const Composer& composer, const 
   const bool again = seen.saved().template_() == saved.template_();
   MORTISE_ASSIGN_OR_RETURN(Drawing drawing,
                            DrawBody(at_work.model, saved.assembly(), composer.drawings));
+  MORTISE_RETURN_IF_ERROR(StoreShapes(composer, call, asked, &drawing.bundle));
   v1::Assembly& drawn = *drawing.bundle.mutable_assembly();
   const std::string& title = asked.title().empty() ? seen.title() : asked.title();
   drawn.set_title(title.empty() ? id : title);

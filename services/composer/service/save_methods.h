@@ -9,7 +9,8 @@
 
 namespace mortise::composer::methods {
 
-// Imports the model's assembly and its template, as the caller. An assembly that was new goes again
+// Imports the shapes that the catalog does not know, the model's assembly and its template, as the
+// caller. An assembly that was new goes again
 // where its template is refused. Fails as composer.proto says, and as the catalog.
 absl::StatusOr<v1::SavedModel> WriteIntoCatalog(const Composer& composer, const rpc::Call& call,
                                                 const v1::SaveModelRequest& asked);

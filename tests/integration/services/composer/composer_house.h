@@ -12,6 +12,8 @@
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/composer.grpc.pb.h"
+#include "mortise/v1/fabplanner.grpc.pb.h"
+#include "mortise/v1/operations.grpc.pb.h"
 #include "tests/integration/services/call_service.h"
 #include "tests/integration/services/filled_catalog.h"
 #include "tests/integration/services/service_under_test.h"
@@ -118,6 +120,12 @@ class ComposerHouse {
     return Change(&v1::ComposerService::Stub::DragControl, seen, request);
   }
 
+  absl::StatusOr<v1::Model> Remove(const v1::Model& seen, const std::string& node) {
+    v1::RemoveNodeRequest request;
+    request.set_node(node);
+    return Change(&v1::ComposerService::Stub::RemoveNode, seen, request);
+  }
+
   absl::StatusOr<v1::Model> Undo(const v1::Model& seen) {
     return Change<v1::UndoModelRequest>(&v1::ComposerService::Stub::UndoModel, seen);
   }
@@ -150,6 +158,27 @@ class ComposerHouse {
   std::unique_ptr<v1::AssemblyService::Stub> assemblies_;
   int changes_ = 0;
 };
+
+// Plans the fabrication of a template of the house, by a planner of its own.
+inline absl::StatusOr<v1::Plan> PlanOf(ComposerHouse& house, const std::string& template_name) {
+  ServiceUnderTest planner("mortise-fabplanner",
+                           {"--peer=catalog=" + house.catalog_process().address()});
+  const auto fabplanner = v1::FabPlannerService::NewStub(planner.channel());
+  v1::CreatePlanRequest request;
+  request.set_request_id("plan");
+  request.set_template_(template_name);
+  const auto started = Call(*fabplanner, &v1::FabPlannerService::Stub::CreatePlan, request);
+  if (!started.ok()) return started.status();
+  const auto operations = v1::OperationService::NewStub(planner.channel());
+  v1::WaitOperationRequest wait;
+  wait.set_name(started->name());
+  wait.set_timeout_seconds(120);
+  const auto done = Call(*operations, &v1::OperationService::Stub::WaitOperation, wait);
+  if (!done.ok()) return done.status();
+  v1::Plan plan;
+  if (!done->result().UnpackTo(&plan)) return absl::InternalError(done->ShortDebugString());
+  return plan;
+}
 
 // The component of an id; an empty one where there is none.
 inline v1::ModelComponent ComponentOf(const v1::Model& model, const std::string& id) {
