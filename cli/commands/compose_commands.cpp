@@ -42,7 +42,7 @@ struct NewOptions {
 };
 
 struct AddOptions : ModelOptions {
-  std::string subject, group, id, at;
+  std::string subject, group, id, at, turn;
   std::int64_t template_revision = 0;
   std::vector<std::string> demands;
 };
@@ -52,6 +52,8 @@ struct NodeOptions : ModelOptions {
   std::string component, node, at, control, to;
   bool controls = false;
   bool preview = false;
+  std::string axis = "z";
+  int times = 1;
 };
 
 struct ForkOptions : ModelOptions {
@@ -213,6 +215,10 @@ absl::Status Add(const AddOptions& options, Session& session, Output& output) {
   for (const std::string& text : options.demands) {
     MORTISE_ASSIGN_OR_RETURN(*request.add_demands(), ParseDemand(text));
   }
+  for (const char axis : options.turn) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::Axis about, ParseAxis(std::string(1, axis), "--turn"));
+    request.add_turns(about);
+  }
   return Change(&Stub::AddComponent, std::move(request), options, "", session, output);
 }
 
@@ -236,6 +242,16 @@ absl::Status Move(const NodeOptions& options, Session& session, Output& output) 
   request.set_component(options.component);
   MORTISE_ASSIGN_OR_RETURN(*request.mutable_position(), ParseVector(options.at, "--at"));
   return Change(&Stub::MoveComponent, std::move(request), options, "", session, output);
+}
+
+absl::Status Turn(const NodeOptions& options, Session& session, Output& output) {
+  v1::TurnComponentRequest request;
+  request.set_component(options.component);
+  MORTISE_ASSIGN_OR_RETURN(const v1::Axis axis, ParseAxis(options.axis, "--axis"));
+  // Three quarters are one the other way.
+  for (int turn = 0; turn < ((options.times % 4) + 4) % 4; ++turn) request.add_turns(axis);
+  if (request.turns().empty()) return InvalidField("--times", "must not be whole turns");
+  return Change(&Stub::TurnComponent, std::move(request), options, "", session, output);
 }
 
 absl::Status Drag(const NodeOptions& options, Session& session, Output& output) {
@@ -334,6 +350,8 @@ void AddAdd(CLI::App& compose, Session& session) {
   add.Add("--id", options->id, "What it is called in the model", "component_id");
   add.Add("--at", options->at,
           "\"X, Y, Z\" of the middle of its lower side; where it is drawn if absent", "position");
+  add.Add("--turn", options->turn,
+          "Axes of quarter turns, such as z, or xzz for one about x and two about z", "turns");
   add.Add("--set", options->demands, "ELEMENT.x=VALUE, a size that it shall have; may be repeated",
           "demands");
   add.Add("--template-revision", options->template_revision, "Revision; the latest if absent",
@@ -358,6 +376,11 @@ void AddComponentCommand(CLI::App& compose, Session& session, const std::string&
   if (name == "move") {
     flags.Add("--at", options->at, "\"X, Y, Z\" of the middle of its lower side", "position")
         ->required();
+  }
+  if (name == "turn") {
+    flags.Add("--axis", options->axis, "x, y or z, which it turns about; z if absent", "turns");
+    flags.Add("--times", options->times,
+              "How many quarter turns, against the clock; less than 0 with it; 1 if absent");
   }
   flags.command().footer("Example: mortise compose " + example);
   flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });
@@ -446,6 +469,8 @@ void AddComposeCommands(CLI::App& app, Session& session) {
                       "connect desk shelf", Connect);
   AddComponentCommand(compose, session, "move", "Move a component that is not connected",
                       "move desk shelf --at \"0.4, 0.2, 0.5\"", Move);
+  AddComponentCommand(compose, session, "turn", "Turn a component that is not connected",
+                      "turn desk shelf --axis z --times 1", Turn);
   AddNodeCommand(compose, session, "drag", "Drag a control of a node; all else follows",
                  "drag desk --node \"shelf 1\" --control width --to 1.2", Drag);
   AddNodeCommand(compose, session, "remove", "Take a node or component out of a model",

@@ -25,8 +25,12 @@ std::string PlaceText(const v1::Vector3& minimum) {
 }
 
 std::string OriginText(const v1::ModelComponent& component) {
+  std::string turns;
+  for (const int axis : component.turns()) {
+    absl::StrAppend(&turns, absl::AsciiStrToLower(v1::Axis_Name(axis)));
+  }
   return absl::StrCat(component.template_(), component.group().empty() ? "" : ", ",
-                      component.group());
+                      component.group(), turns.empty() ? "" : ", turned ", turns);
 }
 
 std::string PartsText(const v1::Model& model, const std::string& component) {

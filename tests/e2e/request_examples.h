@@ -240,7 +240,7 @@ inline constexpr Example kExamples[] = {
     {"ComposerService/AddComponent",
      "request_id: 'bad-64' name: '{model}' revision: 3 component_id: 'third' "
      "template: 'templates/planter' template_revision: 1 position { x: 2 } "
-     "demands { measure { {measure} } value: {size} }",
+     "demands { measure { {measure} } value: {size} } turns: Z turns: Z",
      Outcome::kChanges},
     {"ComposerService/SnapComponent",
      "request_id: 'bad-65' name: '{model}' revision: 3 component: 'loose'", Outcome::kChanges},
@@ -270,6 +270,9 @@ inline constexpr Example kExamples[] = {
      "name: '{model}' revision: 3 control: 'width' value: 1.2 since_value: 1.1"},
     {"ComposerService/ListModelSteps", "name: '{model}' after_revision: 1 page_size: 10"},
     {"ComposerService/DragNode", "begin { name: '{model}' revision: 3 control: 'width' }"},
+    {"ComposerService/TurnComponent",
+     "request_id: 'bad-turn' name: '{model}' revision: 3 component: 'loose' turns: Z",
+     Outcome::kChanges},
     {"OperationService/GetOperation", "name: '{operation}'"},
     {"OperationService/ListOperations",
      "page_size: 10 service: 'fabplanner' kind: 'fabplanner.plan' subject: 'templates/table' "

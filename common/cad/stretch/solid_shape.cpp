@@ -225,6 +225,19 @@ absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::Bo
   }
 }
 
+absl::StatusOr<mesh::DrawnShape> ShapeDrawnTurned(const mesh::DrawnShape& shape) {
+  mesh::DrawnShape drawn = shape;
+  drawn.name.clear();
+  drawn.turn.setIdentity();
+  if (shape.brep.empty() || shape.turn.isIdentity(0)) return drawn;
+  try {
+    drawn.brep = BytesOf(AsDrawn(shape));
+    return drawn;
+  } catch (const Standard_Failure& failure) {
+    return InvalidField("shape", absl::StrCat("cannot be turned: ", failure.GetMessageString()));
+  }
+}
+
 Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation) {
   gp_Trsf motion;
   motion.SetTranslation(gp_Vec(translation.x(), translation.y(), translation.z()));

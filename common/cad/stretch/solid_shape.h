@@ -30,6 +30,11 @@ absl::StatusOr<mesh::DrawnShape> ShapeOfSolid(const Solid& solid, const Eigen::M
 absl::StatusOr<Solid> SolidOfShape(const mesh::DrawnShape& shape, const mesh::BoxStretch& stretch,
                                    const std::string& name);
 
+// Returns a shape that was turned (DrawnShape::turn) as if it had been drawn so, with the same
+// triangles: its exact solid is turned, too, and it has no name yet. INVALID_ARGUMENT, "shape", if
+// the kernel fails.
+absl::StatusOr<mesh::DrawnShape> ShapeDrawnTurned(const mesh::DrawnShape& shape);
+
 // Returns the solid moved by `translation`, m.
 Solid MovedSolid(const Solid& solid, const Eigen::Vector3d& translation);
 

@@ -7,13 +7,18 @@
 #include "common/base/logging.h"
 #include "common/bundles/bundle_source.h"
 #include "common/bundles/template_list.h"
+#include "services/composer/model/quarter_turn.h"
 
 namespace mortise::composer {
 
 CollectionConnections::CollectionConnections(std::shared_ptr<grpc::Channel> catalog,
                                              OriginSource* origins, ModelDrawings* drawings,
                                              std::size_t capacity)
-    : catalog_(std::move(catalog)), origins_(origins), drawings_(drawings), kept_(capacity) {}
+    : catalog_(std::move(catalog)),
+      origins_(origins),
+      drawings_(drawings),
+      kept_(capacity),
+      turned_(capacity) {}
 
 absl::StatusOr<ConnectionOrigins> CollectionConnections::All(const rpc::Origin& caller,
                                                              const IsGivenUp& is_given_up) {
@@ -33,6 +38,32 @@ absl::StatusOr<ConnectionOrigins> CollectionConnections::All(const rpc::Origin& 
     }
     const std::string assembly = read->drawing->bundle.assembly().name();
     all.insert_or_assign(assembly, *std::move(read));
+  }
+  return all;
+}
+
+absl::StatusOr<ConnectionOrigins> CollectionConnections::Turned(const ConnectionOrigins& origins,
+                                                                const Eigen::Matrix3d& turn,
+                                                                const IsGivenUp& is_given_up) {
+  using Made = SingleFlightCache<ConnectionOrigin>::Made;
+  std::string how = turn.isIdentity(0) ? " as drawn" : " turned ";
+  for (const Axis axis : QuarterTurnsOf(turn)) absl::StrAppend(&how, AxisName(axis));
+  ConnectionOrigins all;
+  for (const auto& [name, origin] : origins) {
+    if (is_given_up()) return absl::CancelledError("nobody waits for the answer any more");
+    const std::string source = absl::StrCat(name, how);
+    const std::shared_ptr<const Drawing>& drawn = origin.drawing;
+    MORTISE_ASSIGN_OR_RETURN(
+        all[source], turned_.Get(absl::StrCat(drawn->digest, how), [&]() -> absl::StatusOr<Made> {
+          ConnectionOrigin made;
+          MORTISE_ASSIGN_OR_RETURN(made.drawing, drawings_->Turned(drawn, turn));
+          MORTISE_ASSIGN_OR_RETURN(const auto connections, drawings_->ConnectionsIn(*made.drawing));
+          auto named = std::make_shared<Connections>(*connections);
+          for (CollectionConnection& each : *named) each.source = source;
+          made.connections = std::move(named);
+          const std::size_t bytes = made.drawing->bundle.SpaceUsedLong();
+          return Made{std::move(made), bytes};
+        }));
   }
   return all;
 }

@@ -2,6 +2,7 @@
 // connected by where its own design does not say how (thesis §5.6.1).
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -27,7 +28,8 @@ struct ConnectionOrigin {
   std::int64_t template_revision = 0;
 };
 
-// By the name of the assembly: "assemblies/bookshelf".
+// By the source that their connections name: the assembly, "assemblies/bookshelf", or of one that
+// is turned "assemblies/bookshelf turned z".
 using ConnectionOrigins = std::map<std::string, ConnectionOrigin>;
 
 // Thread safe.
@@ -42,6 +44,12 @@ class CollectionConnections {
   // takes some 50 ms an assembly. UNAVAILABLE; CANCELLED once `is_given_up`.
   absl::StatusOr<ConnectionOrigins> All(const rpc::Origin& caller, const IsGivenUp& is_given_up);
 
+  // The same assemblies turned by right angles, whose connections hold together what lies so. The
+  // first call takes some 100 ms an assembly. Fails as ModelDrawings::Turned; CANCELLED.
+  absl::StatusOr<ConnectionOrigins> Turned(const ConnectionOrigins& origins,
+                                           const Eigen::Matrix3d& turn,
+                                           const IsGivenUp& is_given_up);
+
  private:
   absl::StatusOr<ConnectionOrigin> Read(const std::string& name, std::int64_t revision,
                                         const rpc::Origin& caller);
@@ -49,7 +57,8 @@ class CollectionConnections {
   const std::shared_ptr<grpc::Channel> catalog_;
   OriginSource* const origins_;
   ModelDrawings* const drawings_;
-  SingleFlightCache<ConnectionOrigin> kept_;  // by name and revision of the template
+  SingleFlightCache<ConnectionOrigin> kept_;    // by name and revision of the template
+  SingleFlightCache<ConnectionOrigin> turned_;  // by digest of the drawing, and quarter turns
 };
 
 }  // namespace mortise::composer

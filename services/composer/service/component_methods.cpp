@@ -9,6 +9,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
@@ -18,6 +19,7 @@
 #include "common/messages/vector_codec.h"
 #include "services/composer/connecting/connect.h"
 #include "services/composer/service/new_body.h"
+#include "services/composer/service/turn_methods.h"
 #include "services/composer/snapping/snap.h"
 
 namespace mortise::composer::methods {
@@ -114,12 +116,22 @@ absl::Status CheckRoom(const OpenModel& model, const Design& added) {
   return TooLarge("the model", absl::StrCat(kMaxParts, " parts"));
 }
 
-// The component as it was asked for: its sizes, and where it is dropped.
+// Where the middle of the lower side of a design's box lay before it was turned about the origin,
+// m.
+Eigen::Vector3d FootBefore(const Eigen::Matrix3d& turn, const Design& turned) {
+  const parametric::BoundingBox box = BoundsOf(turned);
+  const Eigen::Vector3d center = turn.transpose() * box.center();
+  const Eigen::Vector3d size = turn.transpose().cwiseAbs() * box.size();
+  return center - Eigen::Vector3d::UnitZ() * size.z() / 2;
+}
+
+// The component as it was asked for: its sizes, and where it is dropped. It is turned already.
 absl::StatusOr<Design> Dropped(std::shared_ptr<const parametric::ParametricAssembly> assembly,
-                               const v1::AddComponentRequest& asked) {
+                               const Eigen::Matrix3d& turn, const v1::AddComponentRequest& asked) {
   Design design;
   design.assembly = std::move(assembly);
   design.q = design.assembly->drawn();
+  const Eigen::Vector3d drawn = FootBefore(turn, design);
   if (asked.demands_size() > 0) {
     MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::MeasureDemand> demands,
                              parametric::FromProto(asked.demands()));
@@ -128,7 +140,11 @@ absl::StatusOr<Design> Dropped(std::shared_ptr<const parametric::ParametricAssem
         design.assembly->Adjust(design.q, demands, parametric::DemandPolicy::kStrict));
     design.q = std::move(adjusted.q);
   }
-  if (asked.has_position()) MoveTo(VectorFromProto(asked.position()), &design);
+  if (asked.has_position()) {
+    MoveTo(VectorFromProto(asked.position()), &design);
+  } else if (!turn.isIdentity(0)) {
+    MoveTo(drawn, &design);
+  }
   return design;
 }
 
@@ -153,6 +169,32 @@ void LeaveOutOtherItems(const Drawing& body, const Drawing& origin, ConnectionOr
     v1::AssemblyBundle with = together;
     return !CombineItems(source.second.drawing->bundle, &with).ok();
   });
+}
+
+// Adds the assemblies turned as components of the model are: what stands along y is held together
+// as what stands along x. And `own` as it is drawn, in whose place the component's own design
+// comes.
+absl::Status AddTurned(const OpenModel& model, const std::string& own,
+                       CollectionConnections& collection, const IsGivenUp& is_given_up,
+                       ConnectionOrigins& sources) {
+  std::map<std::string, Eigen::Matrix3d> turns;
+  for (const v1::ModelComponent& component : model.components) {
+    if (component.turns().empty()) continue;
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3d turn, ReadTurns(component.turns()));
+    turns.emplace(absl::StrJoin(component.turns(), " "), turn);
+  }
+  if (turns.empty()) return absl::OkStatus();
+  const ConnectionOrigins drawn = sources;
+  ConnectionOrigins own_drawn;
+  if (const auto found = drawn.find(own); found != drawn.end()) own_drawn.insert(*found);
+  MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins more,
+                           collection.Turned(own_drawn, Eigen::Matrix3d::Identity(), is_given_up));
+  sources.merge(more);
+  for (const auto& [name, turn] : turns) {
+    MORTISE_ASSIGN_OR_RETURN(more, collection.Turned(drawn, turn, is_given_up));
+    sources.merge(more);
+  }
+  return absl::OkStatus();
 }
 
 // All connections of some assemblies.
@@ -196,14 +238,15 @@ void SetAlignments(const std::vector<Alignment>& alignments, v1::ModelComponent*
 }
 
 // What clients are told of how a component was connected.
-void TellOf(const Connected& connected, v1::ModelComponent* component, OpenModel* model) {
+void TellOf(const Connected& connected, const ConnectionOrigins& sources,
+            v1::ModelComponent* component, OpenModel* model) {
   component->set_state(v1::ModelComponent::CONNECTED);
   component->clear_alignments();
   component->set_node(connected.group);
   for (const MadeConnection& made : connected.connections) {
     v1::ModelConnection* const added = component->add_connections();
     added->mutable_principals()->Assign(made.principals.begin(), made.principals.end());
-    added->set_source(made.source);
+    added->set_source(sources.at(made.source).drawing->bundle.assembly().name());
     added->set_copy_of(made.as);
     added->mutable_parts()->Assign(made.parts.begin(), made.parts.end());
     added->set_moved_by(made.moved_by);
@@ -230,19 +273,26 @@ absl::StatusOr<ModelChange> AddComponent(const Composer& composer, const rpc::Ca
   const std::string& group = asked.group().empty() ? origin.group : asked.group();
   MORTISE_ASSIGN_OR_RETURN(const std::string id, NewId(model, asked, group));
   MORTISE_RETURN_IF_ERROR(CheckItems(model, *origin.drawing, composer.drawings));
-  MORTISE_ASSIGN_OR_RETURN(
-      auto assembly, composer.drawings.Parametrize(*origin.drawing, group, GivenUpWith(call)));
-  MORTISE_ASSIGN_OR_RETURN(Design design, Dropped(std::move(assembly), asked));
+  MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3d turn, ReadTurns(asked.turns()));
+  MORTISE_ASSIGN_OR_RETURN(const auto drawing, composer.drawings.Turned(origin.drawing, turn));
+  MORTISE_ASSIGN_OR_RETURN(auto assembly,
+                           composer.drawings.Parametrize(*drawing, group, GivenUpWith(call)));
+  MORTISE_ASSIGN_OR_RETURN(Design design, Dropped(std::move(assembly), turn, asked));
   MORTISE_RETURN_IF_ERROR(CheckRoom(model, design));
   v1::ModelComponent& component = model.components.emplace_back();
   component.set_id(id);
   component.set_template_(origin.template_name);
   component.set_template_revision(origin.revision);
   component.set_group(group);
-  OpenDesign part{origin.drawing->digest, group, std::move(design)};
+  *component.mutable_turns() = TurnsToProto(turn);
+  OpenDesign part{drawing->digest, group, std::move(design)};
   if (model.body) {
     component.set_state(v1::ModelComponent::PLACED);
-    model.loose.push_back({id, std::move(part)});
+    OpenLoose& loose = model.loose.emplace_back(OpenLoose{id, std::move(part), {}});
+    if (!turn.isIdentity(0)) {
+      loose.turned.set_drawing(origin.drawing->digest);
+      *loose.turned.mutable_turns() = component.turns();
+    }
   } else {
     component.set_state(v1::ModelComponent::CONNECTED);
     for (const parametric::AssemblyPart& each : part.design.assembly->assembly().parts) {
@@ -250,7 +300,7 @@ absl::StatusOr<ModelChange> AddComponent(const Composer& composer, const rpc::Ca
     }
     model.body = std::move(part);
   }
-  return at_work.Done(absl::StrCat("add ", id), {origin.drawing});
+  return at_work.Done(absl::StrCat("add ", id), {origin.drawing, drawing});
 }
 
 absl::StatusOr<ModelChange> SnapComponent(const Composer& composer, const rpc::Call& call,
@@ -265,6 +315,7 @@ absl::StatusOr<ModelChange> SnapComponent(const Composer& composer, const rpc::C
   loose->part.design = std::move(snapped.component);
   MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
                            FindComponent(model, asked.component()));
+  SetPlaced(model, asked.component());
   component->set_state(v1::ModelComponent::SNAPPED);
   SetAlignments(snapped.alignments, component);
   ModelChange change = at_work.Done(absl::StrCat("snap ", asked.component()));
@@ -288,7 +339,10 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
   if (whole) original = Original{source, *std::move(whole), *own};
   MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
                            composer.collection.All(rpc::ForwardedFrom(call), GivenUpWith(call)));
-  // The component's design as it was when it was added, whatever has become of it.
+  MORTISE_RETURN_IF_ERROR(
+      AddTurned(model, source, composer.collection, GivenUpWith(call), sources));
+  // The component's design as it was when it was added, whatever has become of it, and turned as
+  // the component is.
   sources[source] = {origin, own};
   LeaveOutOtherItems(*body, *origin, sources);
   MORTISE_ASSIGN_OR_RETURN(
@@ -300,7 +354,7 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
                                          drawings, GivenUpWith(call), &model));
   MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
                            FindComponent(model, asked.component()));
-  TellOf(connected, component, &model);
+  TellOf(connected, sources, component, &model);
   return at_work.Done(absl::StrCat("connect ", asked.component()), {drawing});
 }
 

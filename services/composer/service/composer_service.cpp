@@ -14,6 +14,7 @@
 #include "services/composer/service/model_methods.h"
 #include "services/composer/service/save_methods.h"
 #include "services/composer/service/suggestion_methods.h"
+#include "services/composer/service/turn_methods.h"
 
 namespace mortise::composer {
 namespace {
@@ -61,6 +62,8 @@ class ComposerAdapter final : public v1::ComposerService::CallbackService {
   MORTISE_QUERY(PreviewDrag, rpc::With(composer_, methods::PreviewDrag))
   MORTISE_QUERY(ListModelSteps, rpc::With(composer_, methods::ListModelSteps))
   MORTISE_BIDI(DragNode, rpc::With(composer_, methods::DragNode), {.endless = true})
+  MORTISE_PREPARED_MUTATION(TurnComponent, rpc::With(composer_, methods::TurnComponent),
+                            rpc::With(composer_, methods::KeepChange<v1::TurnComponentRequest>))
 
  private:
   const std::shared_ptr<grpc::Channel> catalog_;

@@ -55,21 +55,6 @@ double SizeBetween(double minimum, double maximum) {
   return size;
 }
 
-// Puts the message of a part into the box that it has now.
-void SetBox(const parametric::AssemblyPart& part, v1::AssemblyPart* message) {
-  *message->mutable_position() = VectorToProto(part.box.minimum);
-  Eigen::Vector3d size;
-  for (int axis = 0; axis < 3; ++axis) {
-    size[axis] = SizeBetween(part.box.minimum[axis], part.box.maximum[axis]);
-  }
-  *message->mutable_size() = VectorToProto(size);
-  for (v1::ProminentPlane& plane : *message->mutable_prominent_planes()) {
-    for (const parametric::ProminentPlane& now : part.prominent_planes) {
-      if (now.name == plane.name()) plane.set_position(now.position);
-    }
-  }
-}
-
 std::string GroupName(const parametric::Assembly& assembly, int group) {
   return group <= 0 ? "" : assembly.groups[static_cast<std::size_t>(group)].name;
 }
@@ -80,14 +65,6 @@ void AddGroups(const parametric::Assembly& assembly, v1::Assembly* message) {
     group->set_name(assembly.groups[i].name);
     group->set_parent(GroupName(assembly, assembly.groups[i].parent));
   }
-}
-
-// Stores the shape that a part has and no drawing knows, and returns its name.
-std::string AddOwnShape(const mesh::DrawnShape& shape, v1::AssemblyBundle* bundle) {
-  v1::Shape message = parametric::ToProto(shape);
-  message.set_name(parametric::NameOf(message));
-  if (FindNamed(bundle->shapes(), message.name()) == nullptr) *bundle->add_shapes() = message;
-  return message.name();
 }
 
 // What a part looks like: shapes/{digest}, its own or its item's; empty for neither.
@@ -101,27 +78,6 @@ std::string ShapeOf(const v1::AssemblyPart& part, const v1::AssemblyBundle& bund
 void AddShape(const std::string& name, const v1::AssemblyBundle& from, v1::AssemblyBundle* to) {
   if (name.empty() || FindNamed(to->shapes(), name) != nullptr) return;
   if (const v1::Shape* const shape = FindNamed(from.shapes(), name)) *to->add_shapes() = *shape;
-}
-
-// Leaves only what the parts of the assembly use, sorted.
-void KeepWhatIsUsed(v1::AssemblyBundle* bundle) {
-  std::set<std::string> items, materials;
-  for (const v1::AssemblyPart& part : bundle->assembly().parts()) items.insert(part.item());
-  google::protobuf::RepeatedPtrField<v1::Item> used;
-  for (v1::Item& item : *bundle->mutable_items()) {
-    if (!items.contains(item.name())) continue;
-    materials.insert(item.material());
-    *used.Add() = std::move(item);
-  }
-  *bundle->mutable_items() = std::move(used);
-  google::protobuf::RepeatedPtrField<v1::Material> of_items;
-  for (v1::Material& material : *bundle->mutable_materials()) {
-    if (materials.contains(material.name())) *of_items.Add() = std::move(material);
-  }
-  *bundle->mutable_materials() = std::move(of_items);
-  SortByName(*bundle->mutable_items());
-  SortByName(*bundle->mutable_materials());
-  SortByName(*bundle->mutable_shapes());
 }
 
 // Whether what is made of one item could be made of the other.
@@ -184,7 +140,7 @@ absl::Status AddPart(const parametric::Assembly& assembly, std::size_t i, const 
   *message = *source;
   message->set_name(part.name);
   message->set_group(GroupName(assembly, part.group));
-  SetBox(part, message);
+  PutIntoBox(part, message);
   if (part.shape != nullptr && part.shape->name.empty()) {
     message->set_shape(AddOwnShape(*part.shape, bundle));
   }
@@ -201,6 +157,53 @@ std::set<std::string> ShapesUsed(const v1::AssemblyBundle& bundle) {
   }
   names.erase("");
   return names;
+}
+
+void PutIntoBox(const parametric::AssemblyPart& part, v1::AssemblyPart* message) {
+  *message->mutable_position() = VectorToProto(part.box.minimum);
+  Eigen::Vector3d size;
+  for (int axis = 0; axis < 3; ++axis) {
+    size[axis] = SizeBetween(part.box.minimum[axis], part.box.maximum[axis]);
+  }
+  *message->mutable_size() = VectorToProto(size);
+  for (v1::ProminentPlane& plane : *message->mutable_prominent_planes()) {
+    for (const parametric::ProminentPlane& now : part.prominent_planes) {
+      if (now.name == plane.name()) plane.set_position(now.position);
+    }
+  }
+}
+
+std::string AddOwnShape(const mesh::DrawnShape& shape, v1::AssemblyBundle* bundle) {
+  v1::Shape message = parametric::ToProto(shape);
+  message.set_name(parametric::NameOf(message));
+  if (FindNamed(bundle->shapes(), message.name()) == nullptr) *bundle->add_shapes() = message;
+  return message.name();
+}
+
+void KeepWhatIsUsed(v1::AssemblyBundle* bundle) {
+  std::set<std::string> items, materials;
+  for (const v1::AssemblyPart& part : bundle->assembly().parts()) items.insert(part.item());
+  google::protobuf::RepeatedPtrField<v1::Item> used;
+  for (v1::Item& item : *bundle->mutable_items()) {
+    if (!items.contains(item.name())) continue;
+    materials.insert(item.material());
+    *used.Add() = std::move(item);
+  }
+  *bundle->mutable_items() = std::move(used);
+  google::protobuf::RepeatedPtrField<v1::Material> of_items;
+  for (v1::Material& material : *bundle->mutable_materials()) {
+    if (materials.contains(material.name())) *of_items.Add() = std::move(material);
+  }
+  *bundle->mutable_materials() = std::move(of_items);
+  const std::set<std::string> shapes_used = ShapesUsed(*bundle);
+  google::protobuf::RepeatedPtrField<v1::Shape> shapes;
+  for (v1::Shape& shape : *bundle->mutable_shapes()) {
+    if (shapes_used.contains(shape.name())) *shapes.Add() = std::move(shape);
+  }
+  *bundle->mutable_shapes() = std::move(shapes);
+  SortByName(*bundle->mutable_items());
+  SortByName(*bundle->mutable_materials());
+  SortByName(*bundle->mutable_shapes());
 }
 
 Drawing MakeDrawing(v1::AssemblyBundle bundle) {
@@ -241,7 +244,7 @@ absl::StatusOr<Drawing> ReadDrawing(const v1::AssemblyBundle& bundle) {
       *part = message;
       part->clear_repeat();
       part->set_name(assembly.parts[next].name);
-      SetBox(assembly.parts[next], part);
+      PutIntoBox(assembly.parts[next], part);
     }
   }
   return MakeDrawing(std::move(apart));

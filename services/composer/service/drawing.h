@@ -23,6 +23,15 @@ struct Drawing {
 // Returns the names of the shapes that its parts have, their own or their items'.
 std::set<std::string> ShapesUsed(const v1::AssemblyBundle& bundle);
 
+// Puts the message of a part, with its prominent planes, where the part is and as large as it is.
+void PutIntoBox(const parametric::AssemblyPart& part, v1::AssemblyPart* message);
+
+// Adds a shape that no drawing knows, unless the bundle has it, and returns its name.
+std::string AddOwnShape(const mesh::DrawnShape& shape, v1::AssemblyBundle* bundle);
+
+// Leaves only the items, materials and shapes that the parts of the assembly use, sorted.
+void KeepWhatIsUsed(v1::AssemblyBundle* bundle);
+
 // Gives a bundle its digest. What is no content of the assembly (revision, tags, times) is left
 // out, and so are those of items and materials in the digest.
 Drawing MakeDrawing(v1::AssemblyBundle bundle);

@@ -8,7 +8,9 @@
 #include "common/base/errors.h"
 #include "common/messages/vector_codec.h"
 #include "common/resources/collection.h"
+#include "services/composer/model/quarter_turn.h"
 #include "services/composer/service/drawing_records.h"
+#include "services/composer/service/turned_drawing.h"
 
 namespace mortise::composer {
 namespace {
@@ -44,6 +46,19 @@ absl::StatusOr<std::shared_ptr<const Drawing>> ModelDrawings::Get(const std::str
                                                   }));
     const std::size_t bytes = drawing.bundle.SpaceUsedLong();
     return Made{std::make_shared<const Drawing>(std::move(drawing)), bytes};
+  });
+}
+
+absl::StatusOr<std::shared_ptr<const Drawing>> ModelDrawings::Turned(
+    const std::shared_ptr<const Drawing>& drawing, const Eigen::Matrix3d& turn) {
+  if (turn.isIdentity(0)) return drawing;
+  std::string key = absl::StrCat(drawing->digest, "/");
+  for (const Axis axis : QuarterTurnsOf(turn)) absl::StrAppend(&key, AxisName(axis));
+  using Made = SingleFlightCache<std::shared_ptr<const Drawing>>::Made;
+  return drawings_.Get(key, [&]() -> absl::StatusOr<Made> {
+    MORTISE_ASSIGN_OR_RETURN(Drawing turned, TurnedDrawing(*drawing, turn));
+    const std::size_t bytes = turned.bundle.SpaceUsedLong();
+    return Made{std::make_shared<const Drawing>(std::move(turned)), bytes};
   });
 }
 

@@ -2,6 +2,7 @@
 // to seconds, so what was used last is kept.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -36,8 +37,12 @@ class ModelDrawings {
   absl::StatusOr<std::shared_ptr<const Drawing>> Get(const std::string& model,
                                                      const std::string& digest);
 
+  // The drawing turned by right angles. Fails as TurnedDrawing.
+  absl::StatusOr<std::shared_ptr<const Drawing>> Turned(
+      const std::shared_ptr<const Drawing>& drawing, const Eigen::Matrix3d& turn);
+
   // The drawing, or the sub-tree below a node of it, parametrised. What is `known` need not be
-  // found again. Fails as parametric::Parametrize; CANCELLED.
+  // found again. Fails as parametric::ParametrizeKnowing; CANCELLED.
   absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> Parametrize(
       const Drawing& drawing, const std::string& group, const IsGivenUp& is_given_up,
       const std::vector<const parametric::ParametricAssembly*>& known = {});
@@ -55,7 +60,8 @@ class ModelDrawings {
 
  private:
   store::Store* const store_;
-  SingleFlightCache<std::shared_ptr<const Drawing>> drawings_;  // by digest
+  // By digest; those that are turned by that of what they are turned from, and the turns.
+  SingleFlightCache<std::shared_ptr<const Drawing>> drawings_;
   // By digest and group.
   SingleFlightCache<std::shared_ptr<const parametric::ParametricAssembly>> parametrised_;
   SingleFlightCache<std::shared_ptr<const Connections>> connections_;  // by digest

@@ -58,7 +58,12 @@ bool TakeTitle(google::protobuf::FieldMask& mask) {
 std::set<std::string> DrawingsOf(const ModelState& state) {
   std::set<std::string> digests;
   if (state.has_body()) digests.insert(state.body().drawing());
-  for (const LooseComponent& loose : state.loose()) digests.insert(loose.design().drawing());
+  for (const LooseComponent& loose : state.loose()) {
+    digests.insert(loose.design().drawing());
+    digests.insert(loose.turned().drawing());
+    digests.insert(loose.turned().before().drawing());
+  }
+  digests.erase("");
   return digests;
 }
 

@@ -77,8 +77,9 @@ absl::StatusOr<OpenModel> Open(const StoredModel& stored, ModelDrawings& drawing
   for (const LooseComponent& loose : state.loose()) {
     MORTISE_ASSIGN_OR_RETURN(Design design,
                              drawings.DesignOf(model.name, loose.design(), is_given_up));
-    model.loose.push_back(
-        {loose.id(), {loose.design().drawing(), loose.design().group(), std::move(design)}});
+    model.loose.push_back({loose.id(),
+                           {loose.design().drawing(), loose.design().group(), std::move(design)},
+                           loose.turned()});
   }
   model.components = {state.shown().components().begin(), state.shown().components().end()};
   model.warnings = {state.shown().warnings().begin(), state.shown().warnings().end()};
@@ -102,6 +103,7 @@ ModelState StateOf(const OpenModel& model) {
     LooseComponent* const kept = state.add_loose();
     kept->set_id(loose.id);
     *kept->mutable_design() = StateOf(loose.part.design, loose.part.drawing, loose.part.group);
+    if (!loose.turned.drawing().empty()) *kept->mutable_turned() = loose.turned;
     Show(model, loose.id, loose.part.design, boxes, &shown);
   }
   for (const v1::ModelComponent& component : model.components) {
@@ -171,6 +173,12 @@ void SetPlaced(OpenModel& model, const std::string& component) {
     if (each.id() != component) continue;
     each.set_state(v1::ModelComponent::PLACED);
     each.clear_alignments();
+  }
+  // Turned back, it is no longer what it was.
+  for (OpenLoose& loose : model.loose) {
+    if (loose.id != component) continue;
+    loose.turned.clear_before();
+    loose.turned.clear_turns_before();
   }
 }
 

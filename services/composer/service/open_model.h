@@ -25,6 +25,7 @@ struct OpenDesign {
 struct OpenLoose {
   std::string id;  // of v1::ModelComponent
   OpenDesign part;
+  TurnedFrom turned;  // empty of one that lies as it is drawn
 };
 
 struct OpenModel {

@@ -120,6 +120,15 @@ class ComposerHouse {
     return Change(&v1::ComposerService::Stub::DragControl, seen, request);
   }
 
+  // Turns a component by quarter turns about an axis.
+  absl::StatusOr<v1::Model> Turn(const v1::Model& seen, const std::string& component, v1::Axis axis,
+                                 int times = 1) {
+    v1::TurnComponentRequest request;
+    request.set_component(component);
+    for (int i = 0; i < times; ++i) request.add_turns(axis);
+    return Change(&v1::ComposerService::Stub::TurnComponent, seen, request);
+  }
+
   absl::StatusOr<v1::Model> Remove(const v1::Model& seen, const std::string& node) {
     v1::RemoveNodeRequest request;
     request.set_node(node);
