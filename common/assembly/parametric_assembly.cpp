@@ -47,7 +47,6 @@ std::vector<Relationship> StandingInPlace(const std::vector<Element>& elements) 
   floor.form = Combine(1, LinearForm::Variable(CenterVariable(element, Axis::kZ)), -0.5,
                        LinearForm::Variable(SizeVariable(element, Axis::kZ)));
   floor.form.constant = -lowest->box.minimum.z();
-  floor.group = lowest->group;
   floor.description = absl::StrCat("'", lowest->name, "' held where it stands");
   return held;
 }
@@ -242,6 +241,7 @@ absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingPart
   std::size_t axis = 0;
   for (Relationship& still : StandingInPlace(elements_)) {
     standing_[axis++] = still.form;
+    still.group = kAboveRoot;
     anchored.push_back(std::move(still));
   }
   MORTISE_ASSIGN_OR_RETURN(

@@ -133,9 +133,10 @@ class BlockByGroups {
     Eigen::Index row = 0;
   };
 
+  // How many groups lie above a group, itself counted.
   int DepthOf(int group) const {
     int depth = 0;
-    while (group > 0) {
+    while (group != kAboveRoot) {
       group = parents_[static_cast<std::size_t>(group)];
       ++depth;
     }

@@ -74,10 +74,14 @@ struct SolvedEqualities {
   std::vector<FreeVariables> free;        // no variable in two of them
 };
 
+// The group of what holds the whole in its place, which is solved last: what stands where is
+// nothing to the groups.
+inline constexpr int kAboveRoot = -1;
+
 // Solves the equalities among `relationships` over `variables`; they mention no others. Each set of
 // variables that equalities connect is solved by itself: at once, or, if it is large and `parents`
-// are given, group by group. `parents` has the group above each, -1 for the root. O(n² m) for the
-// largest system of n unknowns and m equalities at worst, much less for chains of planes.
+// are given, group by group. `parents` has the group above each, kAboveRoot for the root. O(n² m)
+// for the largest system of n unknowns and m equalities at worst, much less for chains of planes.
 SolvedEqualities SolveEqualities(const std::vector<Relationship>& relationships,
                                  const std::vector<int>& variables, const std::vector<int>& parents,
                                  EqualitySolver& solver);

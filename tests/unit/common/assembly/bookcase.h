@@ -1,6 +1,7 @@
-// A bookcase of any size in which nothing repeats.
+// A bookcase of any size, of which no two boards are alike.
 #pragma once
 
+#include <Eigen/Core>
 #include <random>
 #include <string>
 
@@ -8,7 +9,7 @@
 
 namespace mortise::parametric {
 
-// A board that can be half to twice as large as it is drawn.
+// A board whose sizes may be half to twice as large as drawn.
 inline AssemblyPart Board(const std::string& name, const Eigen::Vector3d& minimum,
                           const Eigen::Vector3d& maximum, int group) {
   AssemblyPart part;
