@@ -138,20 +138,23 @@ class Connector {
     return !connection.connection.connecting.empty();
   }
 
-  // Remembers why a connection of the original cannot be used. What only touches is then none.
+  // Remembers why a connection of the original cannot be used.
   void TryOriginal(const Candidate& candidate) {
-    const std::vector<Pair> pairs = PairsOf(candidate);
-    const auto is_refused = [&](const Pair& pair) { return refused_.contains(pair); };
-    if (!HasParts(*candidate.from) && std::any_of(pairs.begin(), pairs.end(), is_refused)) return;
     const std::string why = Try(candidate);
     if (why.empty() || candidate.from->connection.connecting.empty()) return;
-    for (const Pair& pair : pairs) {
+    for (const Pair& pair : PairsOf(candidate)) {
       if (AreLinked(pair.first, pair.second)) refused_.try_emplace(pair, why);
     }
   }
 
+  bool IsRefused(const Candidate& candidate) const {
+    const std::vector<Pair> pairs = PairsOf(candidate);
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [&](const Pair& pair) { return refused_.contains(pair); });
+  }
+
   // What such a connection is without those for which nothing stands in the model: the slides of a
-  // drawer go without the handle whose screws touch theirs. Only what has parts, or what has none.
+  // drawer go without the handle whose screws touch theirs. First those with parts.
   absl::Status UseRestOf(const CollectionConnection& connection,
                          const std::map<std::string, const PrincipalPart*>& by_name,
                          const std::set<std::string>& missing, bool with_parts) {
@@ -167,7 +170,7 @@ class Connector {
       std::set<std::string> still_missing;
       const std::optional<Candidate> candidate =
           BindOriginal(*made_.back(), by_name, still_missing);
-      if (candidate) TryOriginal(*candidate);
+      if (candidate && (with_parts || !IsRefused(*candidate))) TryOriginal(*candidate);
     }
     return absl::OkStatus();
   }
@@ -307,7 +310,7 @@ class Connector {
     std::vector<SolidPart> made = SolidsOf(*candidate.from, placed);
     for (const auto& [design, own] :
          {std::pair(&sides.body, &body), std::pair(&sides.component, &component)}) {
-      for (const SolidPart& solid : SolidsOf(*design)) {
+      for (const SolidPart& solid : composer::SolidsOf(*design)) {
         if (own->contains(solid.name())) continue;
         for (const SolidPart& part : made) {
           const double depth = SolidPart::DepthOf(part, solid);
@@ -337,9 +340,6 @@ class Connector {
                           part.stretch);
     }
     return solids;
-  }
-  static std::vector<SolidPart> SolidsOf(const Design& design) {
-    return composer::SolidsOf(design);
   }
 
   static std::string Clash(const SolidPart& part, const SolidPart& solid, double depth) {
@@ -456,8 +456,8 @@ class Connector {
   }
 
   absl::Status CheckOverlap() {
-    const std::vector<SolidPart> component = SolidsOf(sides_.component);
-    for (const SolidPart& body : SolidsOf(sides_.body)) {
+    const std::vector<SolidPart> component = composer::SolidsOf(sides_.component);
+    for (const SolidPart& body : composer::SolidsOf(sides_.body)) {
       for (const SolidPart& part : component) {
         const double depth = SolidPart::DepthOf(body, part);
         if (depth == 0 || MayOverlap(body.name(), part.name())) continue;
