@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -161,6 +162,29 @@ TEST_F(ComposeRun, DrawsEveryStepAndTellsOfIt) {
   EXPECT_FALSE(std::filesystem::exists(pictures / "002-new.png"));
   EXPECT_NE(ReadFile(pictures / "004-add.png").value(),
             ReadFile(pictures / "005-snap.png").value());
+}
+
+// Each composition that ships is held together, and can be planned and exported.
+TEST_F(ComposeRun, WhatShipsCanBeBuilt) {
+  const char* const source = std::getenv("MORTISE_SOURCE_DIR");
+  const std::filesystem::path root = source == nullptr ? "." : source;
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(root / "collection/compositions")) {
+    const std::string script = ReadFile(entry.path()).value_or("");
+    const Json made = Document(script);
+    ASSERT_TRUE(made.is_object()) << entry.path();
+    EXPECT_EQ(made["warnings"], Json::array()) << entry.path();
+    const std::string saved = made["template"].get<std::string>().substr(10);
+    const CommandResult planned = Ask({"plan", saved}, *house_);
+    EXPECT_EQ(planned.exit_code, 0) << saved << ": " << planned.error;
+    const std::filesystem::path step = folder_.path() / "design.step";
+    const CommandResult exported =
+        Ask({"catalog", "evaluate", saved, "--strict", "--step", step.string()}, *house_);
+    EXPECT_EQ(exported.exit_code, 0) << saved << ": " << exported.error;
+    EXPECT_EQ(ReadFile(step).value_or("").substr(0, 12), "ISO-10303-21") << saved;
+    ++count;
+  }
+  EXPECT_GE(count, 8);
 }
 
 TEST_F(ComposeRun, SavesAtTheEndWhatTheScriptDoesNot) {
