@@ -141,11 +141,11 @@ bool HasGradient(const std::string& metric, const parametric::MetricExpressions&
                        const MetricDescription* const known = FindMetric(name);
                        return known != nullptr && known->has_gradient;
                      }) &&
-         std::all_of(
-             needs.calls.begin(), needs.calls.end(), [](const parametric::MetricCall& call) {
-               return call.design_template->source == parametric::MetricFunctionSource::kShape ||
-                      HasGradientUnderLoads(call);
-             });
+         std::all_of(needs.calls.begin(), needs.calls.end(),
+                     [](const parametric::MetricCall& call) {
+                       return call.function->source == parametric::MetricFunctionSource::kShape ||
+                              HasGradientUnderLoads(call);
+                     });
 }
 
 MetricDemands DemandsOf(const std::vector<std::string>& metrics,
@@ -163,8 +163,8 @@ MetricDemands DemandsOf(const std::vector<std::string>& metrics,
   }
   for (const parametric::MetricCall& call : needs.calls) {
     using Source = parametric::MetricFunctionSource;
-    demands.loads = demands.loads || call.design_template->source == Source::kLoads;
-    demands.heat = demands.heat || call.design_template->source == Source::kHeat;
+    demands.loads = demands.loads || call.function->source == Source::kLoads;
+    demands.heat = demands.heat || call.function->source == Source::kHeat;
     demands.surface = demands.surface || !OfPointsAlone(call, own);
   }
   demands.surface =
@@ -231,7 +231,7 @@ Gradients GradientsOfShape(const DesignModel& model, const std::vector<std::stri
   Gradients gradients = {{DescriptionOf(BuiltInMetric::kMass).name, motion.mass},
                          {DescriptionOf(BuiltInMetric::kVolume).name, motion.volume}};
   for (const parametric::MetricCall& call : options.custom_metrics.NeedsOf(names).calls) {
-    if (call.design_template->source != parametric::MetricFunctionSource::kShape) continue;
+    if (call.function->source != parametric::MetricFunctionSource::kShape) continue;
     auto gradient =
         GradientOfShape(call, model, motion, options.custom_metrics, options.parameters);
     if (gradient) gradients[ToText(call)] = *std::move(gradient);

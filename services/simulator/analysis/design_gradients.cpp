@@ -354,7 +354,7 @@ PlaceDisplacement LargestOnFace(const mesh::TetrahedralMesh& mesh,
 
 absl::StatusOr<PlaceDisplacement> DisplacementOf(const MetricCall& call, const SolvedLoads& solved,
                                                  const SolvedCase& of) {
-  const std::string& function = call.design_template->name;
+  const std::string& function = call.function->name;
   const Eigen::Matrix3Xd& displacement = of.solution.displacement;
   const int axis = function.ends_with("displacement") ? -1 : function.back() - 'x';
   MORTISE_ASSIGN_OR_RETURN(const auto point, solved.own.PointAt(call.places[0], solved.parameters));
@@ -393,8 +393,8 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedL
 }  // namespace
 
 bool HasGradientUnderLoads(const MetricCall& call) {
-  return call.design_template->name.starts_with("mean_displacement") ||
-         call.design_template->name.starts_with("max_displacement");
+  return call.function->name.starts_with("mean_displacement") ||
+         call.function->name.starts_with("max_displacement");
 }
 
 std::optional<Eigen::VectorXd> GradientOfShape(const MetricCall& call, const DesignModel& model,
@@ -417,7 +417,7 @@ std::optional<Eigen::VectorXd> GradientOfShape(const MetricCall& call, const Des
     if (shape == nullptr) return std::nullopt;
     return PlacedPoint{shape->centroid, shape->centroid_rate};
   };
-  const std::string& function = call.design_template->name;
+  const std::string& function = call.function->name;
   if (function == "area") {
     const FaceShapeMotion* const shape = shape_of(call.places[0]);
     return shape == nullptr ? std::nullopt : std::optional(shape->area_rate);

@@ -156,14 +156,14 @@ absl::StatusOr<MetricPlace> PlaceFunctions::Find(const std::string& name) const 
 }
 
 absl::StatusOr<double> PlaceFunctions::Value(const MetricCall& call) const {
-  if (call.design_template->of_faces) {
+  if (call.function->of_faces) {
     MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
     if (place.point) {
       return InvalidField(kField, absl::StrCat("'", call.places[0], "' is a point; ",
-                                               call.design_template->name, " is of faces"));
+                                               call.function->name, " is of faces"));
     }
   }
-  switch (call.design_template->source) {
+  switch (call.function->source) {
     case MetricFunctionSource::kShape:
       return OfShape(call);
     case MetricFunctionSource::kLoads:
@@ -182,12 +182,12 @@ absl::StatusOr<Eigen::Vector3d> PlaceFunctions::PositionOf(const std::string& na
 }
 
 absl::StatusOr<double> PlaceFunctions::OfShape(const MetricCall& call) const {
-  if (call.design_template->name == "area") {
+  if (call.function->name == "area") {
     MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
     return MomentsOf(model_.surface, place.face).area;
   }
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d position, PositionOf(call.places[0]));
-  if (call.design_template->name != "distance") return position[AxisOf(call.design_template->name)];
+  if (call.function->name != "distance") return position[AxisOf(call.function->name)];
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d other, PositionOf(call.places[1]));
   return (position - other).norm();
 }
@@ -213,7 +213,7 @@ absl::StatusOr<double> PlaceFunctions::UnderLoads(const MetricCall& call) const 
 
 absl::StatusOr<double> PlaceFunctions::InCase(const MetricCall& call, const MetricPlace& place,
                                               const ElasticitySolution& solution) const {
-  const std::string& function = call.design_template->name;
+  const std::string& function = call.function->name;
   const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
   const int axis = AxisOf(function);
   if (function.starts_with("reaction") || function.starts_with("moment")) {
@@ -247,7 +247,7 @@ absl::StatusOr<double> PlaceFunctions::InCase(const MetricCall& call, const Metr
 
 absl::StatusOr<double> PlaceFunctions::OfHeat(const MetricCall& call) const {
   MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
-  const std::string& function = call.design_template->name;
+  const std::string& function = call.function->name;
   if (function == "heat_dissipation") return Dissipation(place.face);
   const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
   const Eigen::VectorXd& temperature = analysis_.heat->temperature;
