@@ -14,33 +14,77 @@ namespace {
 constexpr double kTolerance = 1e-10;  // distance, for rows of unit length
 constexpr double kDependent = 1e-9;   // length of what is left of a unit normal among others
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSparse = 0.25;  // of entries that are not 0
+constexpr Eigen::Index kFew = 8;  // constraints that are let go one by one
+
+// The first `count` columns' products with a vector.
+Eigen::VectorXd AlongColumns(const Eigen::MatrixXd& columns, Eigen::Index count,
+                             const Eigen::VectorXd& vector) {
+  const auto used = columns.leftCols(count);
+  const Eigen::Index full = (vector.array() != 0).count();
+  if (static_cast<double>(full) > kSparse * static_cast<double>(vector.size())) {
+    return used.transpose() * vector;
+  }
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index i = 0; i < vector.size(); ++i) {
+    if (vector[i] != 0) along += vector[i] * used.row(i).transpose();
+  }
+  return along;
+}
+
+// Subtracts columns · shares.
+void Subtract(const Eigen::MatrixXd& columns, const Eigen::VectorXd& shares,
+              Eigen::VectorXd& from) {
+  const Eigen::Index full = (shares.array() != 0).count();
+  if (static_cast<double>(full) > kSparse * static_cast<double>(shares.size())) {
+    from -= columns.leftCols(shares.size()) * shares;
+    return;
+  }
+  for (Eigen::Index i = 0; i < shares.size(); ++i) {
+    if (shares[i] != 0) from -= shares[i] * columns.col(i);
+  }
+}
 
 }  // namespace
 
-Eigen::VectorXd IndependentVectors::SharesIn(const Eigen::VectorXd& vector,
-                                             Eigen::VectorXd& rest) const {
-  Eigen::VectorXd along;
-  rest = RestOf(vector, along);
-  if (count_ == 0) return Eigen::VectorXd(0);
-  return r_.topLeftCorner(count_, count_).triangularView<Eigen::Upper>().solve(along);
+// What is left is projected again where little is left: once leaves rounding of vectors that are
+// nearly dependent.
+IndependentVectors::Split IndependentVectors::SplitOf(const Eigen::VectorXd& vector) const {
+  constexpr double kLittleLeft = 0.5;  // of the length
+  Split split{AlongColumns(q_, count_, vector), vector};
+  Subtract(q_, split.along, split.rest);
+  if (split.rest.norm() > kLittleLeft * vector.norm()) return split;
+  const Eigen::VectorXd again = AlongColumns(q_, count_, split.rest);
+  Subtract(q_, again, split.rest);
+  split.along += again;
+  return split;
 }
 
-Eigen::VectorXd IndependentVectors::SharesOf(const Eigen::VectorXd& products,
-                                             Eigen::VectorXd& shortest) const {
+// Solves R · shares = along from below; of vectors with little in common most entries are 0.
+Eigen::VectorXd IndependentVectors::SharesOf(const Split& split) const {
+  Eigen::VectorXd shares = split.along;
+  for (Eigen::Index i = count_; i-- > 0;) {
+    if (shares[i] == 0) continue;
+    shares[i] /= r_(i, i);
+    shares.head(i) -= shares[i] * r_.col(i).head(i);
+  }
+  return shares;
+}
+
+Eigen::VectorXd IndependentVectors::SharesOfShortest(const Eigen::VectorXd& products,
+                                                     Eigen::VectorXd& shortest) const {
   const auto r = r_.topLeftCorner(count_, count_);
   const Eigen::VectorXd along = r.transpose().triangularView<Eigen::Lower>().solve(products);
   shortest = q_.leftCols(count_) * along;
   return r.triangularView<Eigen::Upper>().solve(along);
 }
 
-void IndependentVectors::Add(const Eigen::VectorXd& vector) {
+void IndependentVectors::Add(const Split& split) {
   Reserve(count_ + 1);
-  Eigen::VectorXd along;
-  const Eigen::VectorXd rest = RestOf(vector, along);
-  const double length = rest.norm();
-  q_.col(count_) = rest / length;
+  const double length = split.rest.norm();
+  q_.col(count_) = split.rest / length;
   r_.col(count_).setZero();
-  r_.col(count_).head(count_) = along;
+  r_.col(count_).head(count_) = split.along;
   r_(count_, count_) = length;
   ++count_;
 }
@@ -59,18 +103,6 @@ void IndependentVectors::Remove(Eigen::Index index) {
   }
 }
 
-// Twice, as once leaves rounding of vectors that are nearly dependent.
-Eigen::VectorXd IndependentVectors::RestOf(const Eigen::VectorXd& vector,
-                                           Eigen::VectorXd& along) const {
-  const auto q = q_.leftCols(count_);
-  along = q.transpose() * vector;
-  Eigen::VectorXd rest = vector - q * along;
-  const Eigen::VectorXd again = q.transpose() * rest;
-  rest -= q * again;
-  along += again;
-  return rest;
-}
-
 void IndependentVectors::Reserve(Eigen::Index count) {
   if (count <= q_.cols()) return;
   const Eigen::Index capacity = std::max<Eigen::Index>(8, 2 * q_.cols());
@@ -83,20 +115,30 @@ struct NearestPointSearch::DualStep {
   Eigen::Index blocking = -1;  // index into the active ones
 };
 
+NearestPointSearch::UnitRows::UnitRows(const Eigen::MatrixXd& rows) : scale(rows.rowwise().norm()) {
+  all = scale.cwiseInverse().asDiagonal() * rows;
+  const auto full = static_cast<double>((all.array() != 0).count());
+  if (full <= kSparse * static_cast<double>(all.size())) sparse = all.sparseView();
+}
+
+Eigen::VectorXd NearestPointSearch::UnitRows::Times(const Eigen::VectorXd& x) const {
+  if (sparse) return *sparse * x;
+  return all * x;
+}
+
 NearestPointSearch::NearestPointSearch(const Polyhedron& polyhedron)
     : is_held_(static_cast<std::size_t>(polyhedron.equalities.rows()), true), is_new_(is_held_) {
-  const Eigen::VectorXd scale = polyhedron.inequalities.rowwise().norm();
-  const Eigen::VectorXd equality_scale = polyhedron.equalities.rowwise().norm();
+  UnitRows inequalities(polyhedron.inequalities);
+  UnitRows equalities(polyhedron.equalities);
+  values_ = polyhedron.values.cwiseQuotient(equalities.scale);
+  Eigen::VectorXd bounds = polyhedron.bounds.cwiseQuotient(inequalities.scale);
   rows_ = std::make_shared<const Rows>(
-      Rows{scale.cwiseInverse().asDiagonal() * polyhedron.inequalities,
-           equality_scale.cwiseInverse().asDiagonal() * polyhedron.equalities,
-           polyhedron.bounds.cwiseQuotient(scale), equality_scale});
-  values_ = polyhedron.values.cwiseQuotient(equality_scale);
+      Rows{std::move(inequalities), std::move(equalities), std::move(bounds)});
 }
 
 void NearestPointSearch::Hold(int equality, double value) {
   const auto index = static_cast<std::size_t>(equality);
-  values_[equality] = value / rows_->equality_scale[equality];
+  values_[equality] = value / rows_->equalities.scale[equality];
   is_new_[index] = is_new_[index] || !is_held_[index];
   is_held_[index] = true;
 }
@@ -128,39 +170,61 @@ absl::StatusOr<Projection> NearestPointSearch::NearestTo(const Eigen::VectorXd& 
 }
 
 std::size_t NearestPointSearch::MemoryUse() const {
-  return static_cast<std::size_t>(rows_->inequalities.size() + rows_->equalities.size()) *
-         sizeof(double);
+  const auto bytes_of = [](const UnitRows& rows) {
+    const Eigen::Index sparse = rows.sparse ? 2 * rows.sparse->nonZeros() : 0;
+    return static_cast<std::size_t>(rows.all.size() + sparse) * sizeof(double);
+  };
+  return bytes_of(rows_->inequalities) + bytes_of(rows_->equalities);
 }
 
 // Begins with the active constraints of the last search that are held still: x goes to the nearest
 // point on them. Without those that keep it there against its will, what is left is a beginning.
 void NearestPointSearch::LetGoOfWhatPulls() {
-  for (std::size_t i = active_.size(); i-- > 0;) {
-    if (active_[i].is_equality && !is_held_[static_cast<std::size_t>(active_[i].row)]) {
-      Remove(static_cast<Eigen::Index>(i));
-    }
+  std::vector<bool> goes;
+  for (const Active& active : active_) {
+    goes.push_back(active.is_equality && !is_held_[static_cast<std::size_t>(active.row)]);
   }
-  const Eigen::VectorXd from = x_;
+  RemoveAll(goes);
+  std::vector<double> missing;
+  for (const Active& active : active_) missing.push_back(-Excess(active));
   while (!active_.empty()) {
-    x_ = from;
-    Eigen::VectorXd missing(static_cast<Eigen::Index>(active_.size()));
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      missing[static_cast<Eigen::Index>(i)] = -Excess(active_[i]);
-    }
+    const auto count = static_cast<Eigen::Index>(active_.size());
     Eigen::VectorXd way;
-    const Eigen::VectorXd multipliers = normals_.SharesOf(missing, way);
-    x_ += way;
-    Eigen::Index most = -1;
+    const Eigen::VectorXd multipliers =
+        normals_.SharesOfShortest(Eigen::Map<const Eigen::VectorXd>(missing.data(), count), way);
+    goes.assign(active_.size(), false);
     for (std::size_t i = 0; i < active_.size(); ++i) {
-      const auto index = static_cast<Eigen::Index>(i);
-      active_[i].multiplier = multipliers[index];
-      const bool pulls = !active_[i].is_equality && multipliers[index] < 0;
-      if (pulls && (most < 0 || multipliers[index] < multipliers[most])) most = index;
+      active_[i].multiplier = multipliers[static_cast<Eigen::Index>(i)];
+      goes[i] = !active_[i].is_equality && active_[i].multiplier < 0;
     }
-    if (most < 0) return;
-    Remove(most);
+    if (std::find(goes.begin(), goes.end(), true) == goes.end()) {
+      x_ += way;
+      return;
+    }
+    RemoveAll(goes);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < goes.size(); ++i) {
+      if (!goes[i]) missing[kept++] = missing[i];
+    }
+    missing.resize(kept);
   }
-  x_ = from;
+}
+
+// Lets go of these active constraints; of many at once by beginning again with the others.
+void NearestPointSearch::RemoveAll(const std::vector<bool>& goes) {
+  if (std::count(goes.begin(), goes.end(), true) <= kFew) {
+    for (std::size_t i = goes.size(); i-- > 0;) {
+      if (goes[i]) Remove(static_cast<Eigen::Index>(i));
+    }
+    return;
+  }
+  std::vector<Active> kept;
+  for (std::size_t i = 0; i < goes.size(); ++i) {
+    if (!goes[i]) kept.push_back(active_[i]);
+  }
+  active_ = std::move(kept);
+  normals_ = IndependentVectors(x_.size());
+  for (const Active& active : active_) normals_.Add(normals_.SplitOf(Normal(active)));
 }
 
 // Takes up the equalities that are new. Those that were implied before are looked at like any
@@ -190,39 +254,38 @@ absl::StatusOr<bool> NearestPointSearch::TakeUpWhatIsViolated() {
 }
 
 std::optional<NearestPointSearch::Active> NearestPointSearch::ViolatedInequality() const {
+  if (rows_->bounds.size() == 0) return std::nullopt;
+  const Eigen::VectorXd excess = rows_->inequalities.Times(x_) - rows_->bounds;
   Eigen::Index worst = 0;
-  if (rows_->inequalities.rows() == 0 ||
-      (rows_->inequalities * x_ - rows_->bounds).maxCoeff(&worst) <= kTolerance) {
-    return std::nullopt;
-  }
+  if (excess.maxCoeff(&worst) <= kTolerance) return std::nullopt;
   return Active{static_cast<int>(worst), false, -1, 0};
 }
 
 // One that others implied, until they were let go.
 std::optional<NearestPointSearch::Active> NearestPointSearch::ViolatedEquality() const {
+  const Eigen::VectorXd missed = rows_->equalities.Times(x_) - values_;
   for (int row = 0; row < static_cast<int>(is_held_.size()); ++row) {
-    if (!is_held_[static_cast<std::size_t>(row)]) continue;
-    const Active equality = EqualityAt(row);
-    if (Excess(equality) < -kTolerance && !IsActive(row)) return equality;
+    if (!is_held_[static_cast<std::size_t>(row)] || std::abs(missed[row]) <= kTolerance) continue;
+    if (!IsActive(row)) return EqualityAt(row);
   }
   return std::nullopt;
 }
 
 Eigen::VectorXd NearestPointSearch::Normal(const Active& active) const {
-  const auto& rows = active.is_equality ? rows_->equalities : rows_->inequalities;
+  const auto& rows = active.is_equality ? rows_->equalities.all : rows_->inequalities.all;
   return active.sign * rows.row(active.row).transpose();
 }
 
 // How far x is on the right side; negative on the wrong one.
 double NearestPointSearch::Excess(const Active& active) const {
-  const auto& rows = active.is_equality ? rows_->equalities : rows_->inequalities;
+  const auto& rows = active.is_equality ? rows_->equalities.all : rows_->inequalities.all;
   const double bound = active.is_equality ? values_[active.row] : rows_->bounds[active.row];
   return active.sign * (rows.row(active.row).dot(x_) - bound);
 }
 
 // Normals point to where the constraint holds.
 NearestPointSearch::Active NearestPointSearch::EqualityAt(int row) const {
-  const double excess = rows_->equalities.row(row).dot(x_) - values_[row];
+  const double excess = rows_->equalities.all.row(row).dot(x_) - values_[row];
   return {row, true, excess > 0 ? -1.0 : 1.0, 0};
 }
 
@@ -236,14 +299,14 @@ bool NearestPointSearch::IsActive(int equality) const {
 // pull instead of push are let go. False if that cannot be: `conflict_` then has the reason.
 absl::StatusOr<bool> NearestPointSearch::TakeUp(Active added) {
   const Eigen::VectorXd normal = Normal(added);
-  const Eigen::Index most =
-      50 * (rows_->inequalities.rows() + rows_->equalities.rows() + x_.size() + 10);
+  const Eigen::Index most = 50 * (rows_->bounds.size() + values_.size() + x_.size() + 10);
   while (true) {
     if (++steps_ > most) {
       return absl::InternalError("the nearest point was not found: too many steps");
     }
-    Eigen::VectorXd direction;
-    const Eigen::VectorXd shares = normals_.SharesIn(normal, direction);
+    const IndependentVectors::Split split = normals_.SplitOf(normal);
+    const Eigen::VectorXd& direction = split.rest;
+    const Eigen::VectorXd shares = normals_.SharesOf(split);
     const bool depends = direction.norm() <= kDependent;
     const DualStep dual = LongestDualStep(shares);
     const double excess = Excess(added);
@@ -264,7 +327,7 @@ absl::StatusOr<bool> NearestPointSearch::TakeUp(Active added) {
     added.multiplier += step;
     if (primal <= dual.length) {
       active_.push_back(added);
-      normals_.Add(normal);
+      normals_.Add(split);
       return true;
     }
     Remove(dual.blocking);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -21,23 +22,30 @@
 namespace mortise::parametric {
 
 // Linearly independent vectors as Q · R with orthonormal columns of Q, one vector more or less at a
-// time: O(n k) for k vectors of n numbers.
+// time: O(n k) for k vectors of n numbers, less for vectors with few that are not 0.
 class IndependentVectors {
  public:
   explicit IndependentVectors(Eigen::Index size = 0) : q_(size, 0), r_(0, 0) {}
 
-  // Returns `vector` as a combination of these, in least squares, and what is left of it.
-  Eigen::VectorXd SharesIn(const Eigen::VectorXd& vector, Eigen::VectorXd& rest) const;
+  // A vector as what lies along the columns of Q, and what is left of it.
+  struct Split {
+    Eigen::VectorXd along, rest;
+  };
+  Split SplitOf(const Eigen::VectorXd& vector) const;
+
+  // Returns what was split as a combination of the vectors, in least squares.
+  Eigen::VectorXd SharesOf(const Split& split) const;
 
   // Returns the shortest vector whose products with these are `products`, as a combination of them;
   // it is written to `shortest`.
-  Eigen::VectorXd SharesOf(const Eigen::VectorXd& products, Eigen::VectorXd& shortest) const;
+  Eigen::VectorXd SharesOfShortest(const Eigen::VectorXd& products,
+                                   Eigen::VectorXd& shortest) const;
 
-  void Add(const Eigen::VectorXd& vector);
+  // Adds the vector that was split, and not since then.
+  void Add(const Split& split);
   void Remove(Eigen::Index index);
 
  private:
-  Eigen::VectorXd RestOf(const Eigen::VectorXd& vector, Eigen::VectorXd& along) const;
   void Reserve(Eigen::Index count);
 
   Eigen::MatrixXd q_, r_;  // of which the first count_ columns are used
@@ -87,13 +95,23 @@ class NearestPointSearch {
   void LetGoOfWhatPulls();
   DualStep LongestDualStep(const Eigen::VectorXd& shares) const;
   void Remove(Eigen::Index index);
+  void RemoveAll(const std::vector<bool>& goes);
   void NoteConflict(const Active& added, const Eigen::VectorXd& shares);
 
-  // What never changes: rows of unit length.
+  // Rows of unit length, and the same again without what is 0 if that is most of it.
+  struct UnitRows {
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> all;
+    std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> sparse;
+    Eigen::VectorXd scale;  // by which each was divided
+
+    explicit UnitRows(const Eigen::MatrixXd& rows);
+    Eigen::VectorXd Times(const Eigen::VectorXd& x) const;
+  };
+
+  // What never changes.
   struct Rows {
-    Eigen::MatrixXd inequalities, equalities;
+    UnitRows inequalities, equalities;
     Eigen::VectorXd bounds;
-    Eigen::VectorXd equality_scale;  // by which each was divided
   };
 
   std::shared_ptr<const Rows> rows_;
