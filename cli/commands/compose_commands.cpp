@@ -254,12 +254,33 @@ absl::Status Turn(const NodeOptions& options, Session& session, Output& output) 
   return Change(&Stub::TurnComponent, std::move(request), options, "", session, output);
 }
 
+absl::Status PreviewDrag(const NodeOptions& options, double value, Session& session,
+                         Output& output) {
+  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
+  v1::PreviewDragRequest request;
+  request.set_name(ResourceName("models", options.model));
+  request.set_revision(options.revision);
+  request.set_component(options.component);
+  request.set_node(options.node);
+  request.set_control(options.control);
+  request.set_value(value);
+  if (options.revision == 0) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::Model present, Get(*client, options));
+    request.set_revision(present.revision());
+  }
+  MORTISE_ASSIGN_OR_RETURN(const v1::DragPreview preview,
+                           Ask(*client, &Stub::PreviewDrag, request));
+  PrintPreview(preview, output);
+  return absl::OkStatus();
+}
+
 absl::Status Drag(const NodeOptions& options, Session& session, Output& output) {
   v1::DragControlRequest request;
   request.set_component(options.component);
   request.set_node(options.node);
   request.set_control(options.control);
   MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(options.to, "--to"));
+  if (options.preview) return PreviewDrag(options, value, session, output);
   request.set_value(value);
   return Change(&Stub::DragControl, std::move(request), options, "", session, output);
 }
@@ -399,6 +420,7 @@ void AddNodeCommand(CLI::App& compose, Session& session, const std::string& name
     flags.Add("--control", options->control, "width, depth, height, x, y or z", "control")
         ->required();
     flags.Add("--to", options->to, "What it shall be, such as 1.2 or 1200mm", "value")->required();
+    flags.command().add_flag("--preview", options->preview, "Only tell what would move");
   }
   flags.command().footer("Example: mortise compose " + example);
   flags.Run(session, [options, run](Session& s, Output& o) { return run(*options, s, o); });

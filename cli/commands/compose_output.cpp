@@ -75,4 +75,22 @@ void PrintComponent(const v1::Model& model, const std::string& component, const 
   }
 }
 
+void PrintPreview(const v1::DragPreview& preview, Output& output) {
+  output.Line(absl::StrCat("revision ", preview.revision(),
+                           ", not changed: ", Millimetres(preview.value()), " gives ",
+                           Millimetres(preview.reached())));
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::MovedPart& part : preview.moved()) {
+    rows.push_back({part.name(), "moves", SizeText(part.minimum(), part.maximum()),
+                    PlaceText(part.minimum())});
+  }
+  for (const v1::ModelPart& part : preview.added()) {
+    rows.push_back({part.name(), "comes", SizeText(part.minimum(), part.maximum()),
+                    PlaceText(part.minimum())});
+  }
+  for (const std::string& name : preview.removed()) rows.push_back({name, "goes", "", ""});
+  output.Table({"part", "", "size", "from"}, rows);
+  output.DocumentOf(preview);
+}
+
 }  // namespace mortise::cli

@@ -13,4 +13,7 @@ void PrintModel(const v1::Model& model, Output& output);
 // Prints what a component snapped by, or was connected by.
 void PrintComponent(const v1::Model& model, const std::string& component, const Output& output);
 
+// Prints what a drag would make of a model: which parts would lie elsewhere, come and go.
+void PrintPreview(const v1::DragPreview& preview, Output& output);
+
 }  // namespace mortise::cli
