@@ -19,6 +19,7 @@ void AddParetoCommands(CLI::App& app, Session& session);  // pareto run|show|des
 void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
 void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
+void AddComposeHistoryCommand(CLI::App& compose, Session& session);  // of those
 void AddComposeCommands(CLI::App& app, Session& session);            // compose new|add|snap …
 void AddComposeRunCommand(CLI::App& compose, Session& session);      // of those
 void AddPlanCommand(CLI::App& app, Session& session);                // plan

@@ -500,6 +500,7 @@ void AddComposeCommands(CLI::App& app, Session& session) {
   AddHistoryCommand(compose, session, "undo", "Go back to the state before the last change",
                     &Stub::UndoModel);
   AddHistoryCommand(compose, session, "redo", "Take back what was undone last", &Stub::RedoModel);
+  AddComposeHistoryCommand(compose, session);
   AddForkAndDelete(compose, session);
   AddSave(compose, session);
   AddComposeRunCommand(compose, session);
