@@ -368,7 +368,7 @@ class Script {
     for (const parametric::ContactFault& fault : *faults) Violated(parametric::Describe(fault));
   }
 
-  // The parts of principal elements that are in no connection, where there are several elements.
+  // The principal parts that are in no connection, where there are several.
   static std::vector<std::string> Unconnected(const Design& design) {
     std::set<int> connected;
     for (const parametric::ElementConnection& each : design.assembly->connections()) {
@@ -385,7 +385,7 @@ class Script {
         names.push_back(design.assembly->assembly().parts[static_cast<std::size_t>(part)].name);
       }
     }
-    if (principals < 2) names.clear();
+    if (principals < 2 && names.size() < 2) names.clear();  // a part alone, and no row
     return names;
   }
 
