@@ -3,6 +3,7 @@
 #include <ClpSimplex.hpp>
 #include <CoinError.hpp>
 #include <CoinPackedMatrix.hpp>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -16,6 +17,9 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Of a row's length: entries that only rounding has left of none. Clp's factorisation takes them to
+// pivot on, cancels them to zero, and then ends the process by an assertion.
+constexpr double kRounding = 1e-14;
 
 // What ClpSimplex::status() says.
 constexpr int kOptimal = 0;
@@ -28,10 +32,11 @@ CoinPackedMatrix SparseRows(const Eigen::MatrixXd& inequalities, const Eigen::Ve
   std::vector<double> entries;
   for (Eigen::Index column = 0; column < inequalities.cols(); ++column) {
     for (Eigen::Index row = 0; row < inequalities.rows(); ++row) {
-      if (inequalities(row, column) == 0) continue;
+      const double entry = inequalities(row, column) / lengths[row];
+      if (std::abs(entry) <= kRounding) continue;
       rows.push_back(static_cast<int>(row));
       columns.push_back(static_cast<int>(column));
-      entries.push_back(inequalities(row, column) / lengths[row]);
+      entries.push_back(entry);
     }
   }
   CoinPackedMatrix matrix(true, rows.data(), columns.data(), entries.data(),

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "common/base/errors.h"
+#include "tests/unit/common/assembly/bookcase.h"
 #include "tests/unit/common/assembly/model/assemblies.h"
 
 namespace mortise::parametric {
@@ -34,6 +36,14 @@ double LengthOf(const std::vector<PlacedPart>& parts, const std::string& name, A
   }
   ADD_FAILURE() << "no part " << name;
   return 0;
+}
+
+// Some of these ended the process: an assertion of the solver of linear programmes failed.
+TEST(ParametricAssembly, IsMadeOfBookcasesOfAnySize) {
+  for (const auto& [columns, shelves] : {std::pair(12, 8), std::pair(10, 8), std::pair(8, 5)}) {
+    const auto made = ParametricAssembly::Create(Bookcase(columns, shelves));
+    EXPECT_TRUE(made.ok()) << columns << " x " << shelves << ": " << made.status();
+  }
 }
 
 TEST(ParametricAssembly, MeetsWhatCanBeMet) {
