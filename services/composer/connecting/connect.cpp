@@ -32,20 +32,6 @@ constexpr double kMinShared = 1e-6;  // m; parts that share less meet in an edge
 
 std::string Millimetres(double metres) { return absl::StrCat(1000 * metres, " mm"); }
 
-// The parts of a side as solids.
-std::vector<SolidPart> SolidsOf(const Design& design) {
-  std::vector<SolidPart> solids;
-  for (const parametric::PlacedPart& part : PartsOf(design)) {
-    solids.emplace_back(part.name, part.box, design.assembly->ShapeOf(part), part.stretch);
-  }
-  return solids;
-}
-
-// How different two boxes are: the distance of their corners, m.
-double CornerDistance(const BoundingBox& a, const BoundingBox& b) {
-  return std::hypot((a.minimum - b.minimum).norm(), (a.maximum - b.maximum).norm());
-}
-
 class Connector {
  public:
   Connector(const Design& body, const Design& component, const Original* original,
@@ -74,6 +60,10 @@ class Connector {
     connected.group = std::move(merged.group);
     connected.insert_below = std::move(merged.insert_below);
     connected.warnings = std::move(warnings_);
+    for (ConnectionWarning& warning : connected.warnings) {
+      const auto renamed = merged.component_names.find(warning.second);
+      if (renamed != merged.component_names.end()) warning.second = renamed->second;
+    }
     MORTISE_ASSIGN_OR_RETURN(
         connected.model, AsDrawn(std::move(merged.assembly),
                                  {sides_.body.assembly.get(), sides_.component.assembly.get()}));

@@ -60,7 +60,7 @@ struct MadeConnection {
   double moved_by = 0;             // m, the largest change that it cost
 };
 
-// Linked parts that nothing holds together, and why.
+// Linked parts that nothing holds together, and why. Both are called as in the merged assembly.
 struct ConnectionWarning {
   std::string first;   // of the body
   std::string second;  // of the component

@@ -32,6 +32,7 @@ class Merger {
     for (const AssemblyPart& part : made_.assembly.parts) taken_.insert(part.name);
     for (const Joint& joint : made_.assembly.joints) joints_taken_.insert(joint.name);
     for (const UsedConnection& connection : used_) AddConnection(connection);
+    made_.component_names = std::move(names_.parts);
     return std::move(made_);
   }
 

@@ -1,6 +1,7 @@
 // Makes one assembly of the body of a model, a component, and what connects them (thesis §5.6.2).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct Merged {
   std::vector<MadeConnection> connections;  // in the order of those used
   std::string group;
   std::string insert_below;
+  // What the component's parts, as it is drawn now, are called in the assembly.
+  std::map<std::string, std::string> component_names;
 };
 
 // Returns the joint of a connection, by its index there, that moved what the component's parts

@@ -41,4 +41,12 @@ double SolidPart::DepthOf(const SolidPart& a, const SolidPart& b) {
   return depth > kMaxOverlap ? depth : 0;
 }
 
+std::vector<SolidPart> SolidsOf(const Design& design) {
+  std::vector<SolidPart> solids;
+  for (const parametric::PlacedPart& part : PartsOf(design)) {
+    solids.emplace_back(part.name, part.box, design.assembly->ShapeOf(part), part.stretch);
+  }
+  return solids;
+}
+
 }  // namespace mortise::composer

@@ -10,6 +10,7 @@
 #include "common/mesh/repair/proximity.h"
 #include "common/mesh/shapes/box_stretch.h"
 #include "common/mesh/shapes/drawn_shape.h"
+#include "services/composer/model/design.h"
 
 namespace mortise::composer {
 
@@ -45,5 +46,8 @@ class SolidPart {
   mesh::BoxStretch stretch_;
   mutable std::optional<mesh::ProbedSurface> probed_;
 };
+
+// Returns all parts of a design as they are now, the shift included. O(parts).
+std::vector<SolidPart> SolidsOf(const Design& design);
 
 }  // namespace mortise::composer

@@ -86,6 +86,10 @@ double DistanceBetween(const BoundingBox& a, const BoundingBox& b) {
   return (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0).norm();
 }
 
+double CornerDistance(const BoundingBox& a, const BoundingBox& b) {
+  return std::hypot((a.minimum - b.minimum).norm(), (a.maximum - b.maximum).norm());
+}
+
 bool ReachesAcross(const BoundingBox& box, Axis axis, double place, double tolerance) {
   const int at = static_cast<int>(axis);
   return box.minimum[at] < place - tolerance && box.maximum[at] > place + tolerance;

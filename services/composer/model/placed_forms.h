@@ -27,6 +27,9 @@ struct PrincipalPart {
 // faces; 0 if they meet.
 double DistanceBetween(const parametric::BoundingBox& a, const parametric::BoundingBox& b);
 
+// Returns how different two boxes are: the distance of their corners, m.
+double CornerDistance(const parametric::BoundingBox& a, const parametric::BoundingBox& b);
+
 // Whether a box reaches by more than `tolerance`, m, to either side of a place on an axis.
 bool ReachesAcross(const parametric::BoundingBox& box, Axis axis, double place, double tolerance);
 

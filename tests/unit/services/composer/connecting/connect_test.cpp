@@ -244,6 +244,26 @@ TEST(ConnectTest, WhatNothingHoldsIsWarnedOf) {
   EXPECT_THAT(made.warnings[0].text, HasSubstr("nothing holds 'upper long rail 1'"));
 }
 
+// A part of the body has the name of the component's already.
+TEST(ConnectTest, WarningsNameWhatIsInTheModel) {
+  const Composition& of = Compositions()[2];
+  ASSERT_OK_AND_ASSIGN(Assembly frame, DrawnAt(ShippedComponent(of.body, of.body_node)));
+  const auto lowest = std::min_element(frame.parts.begin(), frame.parts.end(),
+                                       [](const AssemblyPart& a, const AssemblyPart& b) {
+                                         return std::pair(a.connecting, a.box.maximum.z()) <
+                                                std::pair(b.connecting, b.box.maximum.z());
+                                       });
+  lowest->name = "top board";
+  ASSERT_OK_AND_ASSIGN(const Design body, AsDrawn(std::move(frame)));
+  const Original original = ShippedOriginal(of.from);
+  const Design dropped = DroppedAt(ShippedComponent(of.from, of.node), of.middle);
+  ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &original.design, body));
+  ASSERT_OK_AND_ASSIGN(const Connected made, Connect(body, snapped.component, "new", &original,
+                                                     AllShippedConnections(), ShippedOptions()));
+  ASSERT_FALSE(made.warnings.empty());
+  EXPECT_EQ(made.warnings[0].second, "new top board");
+}
+
 TEST(ConnectTest, NothingNearIsSaidWithTheNearest) {
   Design far = ShippedComponent("bookshelf", "shelf 3");
   far.shift = {5, 0, 0};
