@@ -1,7 +1,5 @@
 #include "cli/commands/compose_check_command.h"
 
-#include <grpcpp/grpcpp.h>
-
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -14,16 +12,14 @@
 #include "absl/strings/str_join.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
+#include "cli/commands/compose_calls.h"
 #include "common/base/files.h"
-#include "common/rpc/status_mapping.h"
-#include "mortise/v1/composer.grpc.pb.h"
 
 namespace mortise::cli {
 namespace {
 
-constexpr int kPictureWidth = 1000;      // pixels
-constexpr int kMaxNames = 4;             // of parts in one line
-constexpr double kSecondsOfCheck = 600;  // opening a model parametrises it
+constexpr int kPictureWidth = 1000;  // pixels
+constexpr int kMaxNames = 4;         // of parts in one line
 
 struct CheckOptions {
   std::string model;
@@ -90,13 +86,8 @@ absl::Status Check(const CheckOptions& options, Session& session, Output& output
   v1::CheckModelRequest request;
   request.set_name(ResourceName("models", options.model));
   if (!options.picture.empty()) request.set_width(kPictureWidth);
-  const auto stub = v1::ComposerService::NewStub(client->channel());
-  v1::ModelCheck check;
-  MORTISE_RETURN_IF_ERROR(client->Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub->CheckModel(&context, request, &check));
-      },
-      kSecondsOfCheck));
+  MORTISE_ASSIGN_OR_RETURN(const v1::ModelCheck check,
+                           AskComposer(*client, &v1::ComposerService::Stub::CheckModel, request));
   output.Line(
       absl::StrFormat("%s, revision %d: %.3g kg", request.name(), check.revision(), check.mass()));
   PrintStanding(check, output);

@@ -12,6 +12,7 @@
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/compose_calls.h"
 #include "cli/commands/compose_check_command.h"
 #include "cli/commands/compose_output.h"
 #include "cli/commands/compose_suggest_command.h"
@@ -25,9 +26,6 @@ namespace mortise::cli {
 namespace {
 
 using Stub = v1::ComposerService::Stub;
-
-constexpr double kSecondsOfChange =
-    600;  // that a change may take: parametrising lasts for hundreds of parts
 
 // Which model a command is about; what all of them take.
 struct ModelOptions {
@@ -67,25 +65,10 @@ struct SaveOptions : ModelOptions {
 
 // ---- What the commands have in common ----------------------------------------------------------
 
-template <typename Request, typename Response>
-absl::StatusOr<Response> Ask(const GatewayClient& client,
-                             grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
-                                                          Response*),
-                             const Request& request) {
-  const auto stub = v1::ComposerService::NewStub(client.channel());
-  Response response;
-  MORTISE_RETURN_IF_ERROR(client.Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(((*stub).*method)(&context, request, &response));
-      },
-      kSecondsOfChange));
-  return response;
-}
-
 absl::StatusOr<v1::Model> Get(const GatewayClient& client, const ModelOptions& options) {
   v1::GetModelRequest request;
   request.set_name(ResourceName("models", options.model));
-  return Ask(client, &Stub::GetModel, request);
+  return AskComposer(client, &Stub::GetModel, request);
 }
 
 absl::Status WritePicture(const GatewayClient& client, const ModelOptions& options,
@@ -93,7 +76,8 @@ absl::Status WritePicture(const GatewayClient& client, const ModelOptions& optio
   if (options.picture.empty()) return absl::OkStatus();
   v1::DrawModelRequest request;
   request.set_name(ResourceName("models", options.model));
-  MORTISE_ASSIGN_OR_RETURN(const v1::ModelPicture drawn, Ask(client, &Stub::DrawModel, request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::ModelPicture drawn,
+                           AskComposer(client, &Stub::DrawModel, request));
   MORTISE_RETURN_IF_ERROR(WriteFile(options.picture, drawn.png()));
   output.Line(absl::StrCat("  ", options.picture.string()));
   return absl::OkStatus();
@@ -118,7 +102,7 @@ absl::Status Change(grpc::Status (Stub::*method)(grpc::ClientContext*, const Req
                     Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
-  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, method, request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, AskComposer(*client, method, request));
   PrintModel(model, output);
   PrintComponent(model, component, output);
   return WritePicture(*client, options, output);
@@ -144,7 +128,8 @@ absl::Status New(const NewOptions& options, Session& session, Output& output) {
   request.set_title(options.title);
   MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, &Stub::CreateModel, request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model,
+                           AskComposer(*client, &Stub::CreateModel, request));
   PrintModel(model, output);
   return absl::OkStatus();
 }
@@ -178,7 +163,7 @@ absl::Status ShowControls(const GatewayClient& client, const NodeOptions& option
   request.set_component(options.component);
   request.set_node(options.node);
   MORTISE_ASSIGN_OR_RETURN(const v1::NodeControls found,
-                           Ask(client, &Stub::GetNodeControls, request));
+                           AskComposer(client, &Stub::GetNodeControls, request));
   std::vector<std::vector<std::string>> rows;
   for (const v1::NodeControl& control : found.controls()) {
     rows.push_back({control.name(), Millimetres(control.value()), Millimetres(control.minimum()),
@@ -269,7 +254,7 @@ absl::Status PreviewDrag(const NodeOptions& options, double value, Session& sess
     request.set_revision(present.revision());
   }
   MORTISE_ASSIGN_OR_RETURN(const v1::DragPreview preview,
-                           Ask(*client, &Stub::PreviewDrag, request));
+                           AskComposer(*client, &Stub::PreviewDrag, request));
   PrintPreview(preview, output);
   return absl::OkStatus();
 }
@@ -299,7 +284,7 @@ absl::Status Fork(const ForkOptions& options, Session& session, Output& output) 
   request.set_model_id(options.id);
   request.set_title(options.title);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Ask(*client, &Stub::ForkModel, request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, AskComposer(*client, &Stub::ForkModel, request));
   PrintModel(model, output);
   return absl::OkStatus();
 }
@@ -311,7 +296,8 @@ absl::Status Save(const SaveOptions& options, Session& session, Output& output) 
   request.set_with_loads(options.with_loads);
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
-  MORTISE_ASSIGN_OR_RETURN(const v1::SavedModel saved, Ask(*client, &Stub::SaveModel, request));
+  MORTISE_ASSIGN_OR_RETURN(const v1::SavedModel saved,
+                           AskComposer(*client, &Stub::SaveModel, request));
   output.Line(absl::StrFormat("%s, revision %d, of %s", saved.template_(),
                               saved.template_revision(), saved.assembly()));
   output.DocumentOf(saved);
@@ -323,7 +309,7 @@ absl::Status Delete(const ModelOptions& options, Session& session, Output& outpu
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
   MORTISE_ASSIGN_OR_RETURN(const v1::DeleteModelResponse deleted,
-                           Ask(*client, &Stub::DeleteModel, request));
+                           AskComposer(*client, &Stub::DeleteModel, request));
   output.Line(absl::StrCat(request.name(), " deleted"));
   output.DocumentOf(deleted);
   return absl::OkStatus();

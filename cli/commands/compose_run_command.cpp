@@ -1,6 +1,5 @@
 // mortise compose run SCRIPT: composes a model by a script, and saves it.
 #include <google/protobuf/util/json_util.h>
-#include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
+#include "cli/commands/compose_calls.h"
 #include "cli/commands/compose_output.h"
 #include "cli/files/compose_script.h"
 #include "common/base/errors.h"
@@ -26,8 +26,6 @@
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
-#include "common/rpc/status_mapping.h"
-#include "mortise/v1/composer.grpc.pb.h"
 
 namespace mortise::cli {
 namespace {
@@ -236,11 +234,7 @@ class ScriptRun {
                                            ->as<std::string>());
     request.mutable_update_mask()->add_paths("title");
     MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session_.Client());
-    const auto stub = v1::ComposerService::NewStub(client->channel());
-    v1::Model model;
-    return client->Call([&](grpc::ClientContext& context) {
-      return rpc::FromGrpc(stub->UpdateModel(&context, request, &model));
-    });
+    return AskComposer(*client, &v1::ComposerService::Stub::UpdateModel, request).status();
   }
 
   absl::Status Draw(const ScriptLine& line) const {

@@ -1,7 +1,5 @@
 #include "cli/commands/compose_suggest_command.h"
 
-#include <grpcpp/grpcpp.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,13 +8,10 @@
 #include "absl/strings/str_format.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
-#include "common/rpc/status_mapping.h"
-#include "mortise/v1/composer.grpc.pb.h"
+#include "cli/commands/compose_calls.h"
 
 namespace mortise::cli {
 namespace {
-
-constexpr double kSecondsOfSuggesting = 600;  // opening models and pieces parametrises them
 
 struct BillOptions {
   std::string model;
@@ -37,13 +32,8 @@ absl::Status Bill(const BillOptions& options, Session& session, Output& output) 
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   v1::GetModelBillRequest request;
   request.set_name(ResourceName("models", options.model));
-  const auto stub = v1::ComposerService::NewStub(client->channel());
-  v1::ModelBill bill;
-  MORTISE_RETURN_IF_ERROR(client->Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub->GetModelBill(&context, request, &bill));
-      },
-      kSecondsOfSuggesting));
+  MORTISE_ASSIGN_OR_RETURN(const v1::ModelBill bill,
+                           AskComposer(*client, &v1::ComposerService::Stub::GetModelBill, request));
   output.Line(
       absl::StrFormat("%s, revision %d: %.3g kg", request.name(), bill.revision(), bill.mass()));
   std::vector<std::vector<std::string>> rows;
@@ -76,13 +66,9 @@ absl::Status Suggest(const SuggestOptions& options, Session& session, Output& ou
   }
   request.set_max_price(options.max_price);
   request.set_count(options.count);
-  const auto stub = v1::ComposerService::NewStub(client->channel());
-  v1::ComponentSuggestions found;
-  MORTISE_RETURN_IF_ERROR(client->Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub->SuggestComponents(&context, request, &found));
-      },
-      kSecondsOfSuggesting));
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::ComponentSuggestions found,
+      AskComposer(*client, &v1::ComposerService::Stub::SuggestComponents, request));
   std::vector<std::vector<std::string>> rows;
   for (const v1::ComponentSuggestion& each : found.suggestions()) {
     rows.push_back({absl::StrFormat("%.2f", each.score()), each.template_(), each.group(),

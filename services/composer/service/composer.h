@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "services/composer/service/collection_connections.h"
+#include "services/composer/catalog/collection_connections.h"
+#include "services/composer/catalog/origin_source.h"
+#include "services/composer/records/model_drawings.h"
 #include "services/composer/service/drag_cache.h"
-#include "services/composer/service/model_drawings.h"
-#include "services/composer/service/origin_source.h"
 
 namespace mortise::composer {
 

@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/composer/records/model_records.h"
 #include "services/composer/service/drag_stream.h"
-#include "services/composer/service/model_records.h"
 #include "services/composer/service/node_controls.h"
 #include "services/composer/service/part_changes.h"
 

@@ -7,8 +7,8 @@
 
 #include "common/base/errors.h"
 #include "common/rpc/mutation_log.h"
+#include "services/composer/records/model_records.h"
 #include "services/composer/service/drag_methods.h"
-#include "services/composer/service/model_records.h"
 #include "services/composer/service/part_changes.h"
 
 namespace mortise::composer {

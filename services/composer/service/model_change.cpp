@@ -2,7 +2,7 @@
 
 #include "common/base/errors.h"
 #include "common/host/call_author.h"
-#include "services/composer/service/drawing_records.h"
+#include "services/composer/records/drawing_records.h"
 
 namespace mortise::composer {
 

@@ -3,7 +3,7 @@
 
 #include "absl/status/statusor.h"
 #include "mortise/v1/template.pb.h"
-#include "services/composer/service/model_drawings.h"
+#include "services/composer/records/model_drawings.h"
 #include "services/composer/service/open_model.h"
 
 namespace mortise::composer {

@@ -14,10 +14,10 @@
 #include "common/design/template_validation.h"
 #include "common/host/call_author.h"
 #include "common/resources/resource_tags.h"
-#include "services/composer/service/drawing_records.h"
-#include "services/composer/service/model_history.h"
+#include "services/composer/records/drawing_records.h"
+#include "services/composer/records/model_history.h"
+#include "services/composer/records/model_records.h"
 #include "services/composer/service/model_picture.h"
-#include "services/composer/service/model_records.h"
 
 namespace mortise::composer::methods {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "services/composer/catalog/collection_connections.h"
 #include "services/composer/connecting/connect.h"
-#include "services/composer/service/collection_connections.h"
 #include "services/composer/service/open_model.h"
 
 namespace mortise::composer {

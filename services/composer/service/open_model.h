@@ -10,8 +10,8 @@
 #include "model_state.pb.h"
 #include "mortise/v1/composer.pb.h"
 #include "services/composer/model/design.h"
-#include "services/composer/service/model_drawings.h"
-#include "services/composer/service/model_records.h"
+#include "services/composer/records/model_drawings.h"
+#include "services/composer/records/model_records.h"
 
 namespace mortise::composer {
 

@@ -16,10 +16,10 @@
 #include "common/rpc/channel.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "services/composer/catalog/shape_imports.h"
 #include "services/composer/service/model_change.h"
 #include "services/composer/service/model_loads.h"
 #include "services/composer/service/new_body.h"
-#include "services/composer/service/shape_imports.h"
 
 namespace mortise::composer::methods {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/composer/service/model_history.h"
+#include "services/composer/records/model_history.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "common/base/violation_lists.h"
 #include "common/messages/vector_codec.h"
 #include "common/resources/record_page.h"
-#include "services/composer/service/model_records.h"
+#include "services/composer/records/model_records.h"
 
 namespace mortise::composer {
 namespace {

@@ -1,5 +1,5 @@
 // Drawings turned by right angles are the same things lying otherwise.
-#include "services/composer/service/turned_drawing.h"
+#include "services/composer/records/turned_drawing.h"
 
 #include <gtest/gtest.h>
 

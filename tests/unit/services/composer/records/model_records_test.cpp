@@ -1,5 +1,5 @@
 // The history of models: every state comes back as it was, and nobody's change is lost.
-#include "services/composer/service/model_records.h"
+#include "services/composer/records/model_records.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/errors.h"
-#include "services/composer/service/drawing_records.h"
+#include "services/composer/records/drawing_records.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "services/composer/service/drawing_records.h"
+#include "services/composer/records/drawing_records.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "services/composer/service/model_records.h"
+#include "services/composer/records/model_records.h"
 
 #include <google/protobuf/util/time_util.h>
 
@@ -10,8 +10,8 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/messages/message_digest.h"
-#include "services/composer/service/drawing_records.h"
-#include "services/composer/service/model_history.h"
+#include "services/composer/records/drawing_records.h"
+#include "services/composer/records/model_history.h"
 
 namespace mortise::composer {
 namespace {

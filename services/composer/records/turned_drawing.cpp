@@ -1,4 +1,4 @@
-#include "services/composer/service/turned_drawing.h"
+#include "services/composer/records/turned_drawing.h"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/bundles/shape_source.h"
 #include "common/rpc/channel.h"
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 namespace mortise::composer {
 

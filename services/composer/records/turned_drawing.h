@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "absl/status/statusor.h"
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 namespace mortise::composer {
 

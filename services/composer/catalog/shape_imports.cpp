@@ -1,4 +1,4 @@
-#include "services/composer/service/shape_imports.h"
+#include "services/composer/catalog/shape_imports.h"
 
 #include <grpcpp/grpcpp.h>
 

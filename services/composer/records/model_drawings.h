@@ -16,7 +16,7 @@
 #include "model_state.pb.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/model/design.h"
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 namespace mortise::composer {
 

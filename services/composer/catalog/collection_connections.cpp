@@ -1,4 +1,4 @@
-#include "services/composer/service/collection_connections.h"
+#include "services/composer/catalog/collection_connections.h"
 
 #include <utility>
 

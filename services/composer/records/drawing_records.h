@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/store/store.h"
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 namespace mortise::composer {
 

@@ -1,4 +1,4 @@
-#include "services/composer/service/origin_source.h"
+#include "services/composer/catalog/origin_source.h"
 
 #include <utility>
 

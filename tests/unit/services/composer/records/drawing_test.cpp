@@ -1,5 +1,5 @@
 // Drawings are copied without loss, whatever becomes of their parts.
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 #include <gtest/gtest.h>
 

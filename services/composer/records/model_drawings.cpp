@@ -1,4 +1,4 @@
-#include "services/composer/service/model_drawings.h"
+#include "services/composer/records/model_drawings.h"
 
 #include <utility>
 
@@ -9,8 +9,8 @@
 #include "common/messages/vector_codec.h"
 #include "common/resources/collection.h"
 #include "services/composer/model/quarter_turn.h"
-#include "services/composer/service/drawing_records.h"
-#include "services/composer/service/turned_drawing.h"
+#include "services/composer/records/drawing_records.h"
+#include "services/composer/records/turned_drawing.h"
 
 namespace mortise::composer {
 namespace {

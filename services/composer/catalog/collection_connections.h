@@ -14,9 +14,9 @@
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
 #include "common/rpc/channel.h"
+#include "services/composer/catalog/origin_source.h"
 #include "services/composer/connecting/part_connection.h"
-#include "services/composer/service/model_drawings.h"
-#include "services/composer/service/origin_source.h"
+#include "services/composer/records/model_drawings.h"
 
 namespace mortise::composer {
 

@@ -1,4 +1,4 @@
-#include "services/composer/service/drawing.h"
+#include "services/composer/records/drawing.h"
 
 #include <google/protobuf/util/message_differencer.h>
 
