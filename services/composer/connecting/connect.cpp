@@ -19,6 +19,7 @@
 #include "services/composer/connecting/linked_parts.h"
 #include "services/composer/connecting/merge.h"
 #include "services/composer/connecting/original_fit.h"
+#include "services/composer/connecting/side_overlaps.h"
 #include "services/composer/model/overlap.h"
 
 namespace mortise::composer {
@@ -258,6 +259,10 @@ class Connector {
       }
       placed = Place(candidate, moved->sides);
       if (!placed.ok()) return std::string(placed.status().message());
+      const std::vector<Candidate> all = UsedCandidates(candidate);
+      const std::vector<SideOverlap> made =
+          NewOverlaps(OverlapsBetween(sides_, all), OverlapsBetween(moved->sides, all));
+      if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
       fitted = *std::move(moved);
     }
     if (std::string clash = ClashOf(candidate, *placed, fitted.sides); !clash.empty()) {
@@ -280,10 +285,15 @@ class Connector {
 
   // Both sides so that this connection has room, with those that are used already.
   absl::StatusOr<FittedSides> MakeRoomFor(const Candidate& candidate) const {
+    return FitSides(sides_, UsedCandidates(candidate), options_.hold);
+  }
+
+  // The connections that are used, and one more if there is one.
+  std::vector<Candidate> UsedCandidates(const std::optional<Candidate>& more = std::nullopt) const {
     std::vector<Candidate> all;
-    for (const Used& known : used_) all.push_back(known.candidate);
-    all.push_back(candidate);
-    return FitSides(sides_, all, options_.hold);
+    for (const Used& used : used_) all.push_back(used.candidate);
+    if (more) all.push_back(*more);
+    return all;
   }
 
   const parametric::ConnectionOptimizer& OptimizerOf(const CollectionConnection& connection) {
@@ -424,40 +434,11 @@ class Connector {
     return placed;
   }
 
-  // Whether a connection has its two principals reach into each other.
-  bool MayOverlap(const std::string& body, const std::string& component) const {
-    for (const Used& used : used_) {
-      bool has_body = false, has_component = false;
-      for (const BoundPrincipal& bound : used.candidate.principals) {
-        const std::string& name = sides_.PartOf(bound).name;
-        (bound.of_component ? has_component : has_body) |=
-            name == (bound.of_component ? component : body);
-      }
-      if (!has_body || !has_component) continue;
-      for (const parametric::ConnectionPatch& patch : used.candidate.from->connection.patches) {
-        const auto normal = static_cast<Eigen::Index>(patch.normal);
-        if (patch.kind == parametric::PatchKind::kContact &&
-            patch.region.size()[normal] > kMaxOverlap) {
-          return true;
-        }
-      }
-    }
-    return false;
-  }
-
-  absl::Status CheckOverlap() {
-    const std::vector<SolidPart> component = composer::SolidsOf(sides_.component);
-    for (const SolidPart& body : composer::SolidsOf(sides_.body)) {
-      for (const SolidPart& part : component) {
-        const double depth = SolidPart::DepthOf(body, part);
-        if (depth == 0 || MayOverlap(body.name(), part.name())) continue;
-        return PreconditionFailed(
-            "COMPONENT_OVERLAPS",
-            absl::StrCat("'", part.name(), "' reaches ", Millimetres(depth), " into '", body.name(),
-                         "' of the model: move it, or make it smaller"));
-      }
-    }
-    return absl::OkStatus();
+  absl::Status CheckOverlap() const {
+    const std::vector<SideOverlap> overlaps = OverlapsBetween(sides_, UsedCandidates());
+    if (overlaps.empty()) return absl::OkStatus();
+    return PreconditionFailed("COMPONENT_OVERLAPS", absl::StrCat(Describe(overlaps.front()),
+                                                                 ": move it, or make it smaller"));
   }
 
   struct Used {
