@@ -11,6 +11,32 @@
 
 namespace mortise::composer {
 
+std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& origins) {
+  std::vector<const CollectionConnection*> connections;
+  for (const auto& [name, origin] : origins) {
+    for (const CollectionConnection& each : *origin.connections) connections.push_back(&each);
+  }
+  return connections;
+}
+
+void LeaveOutOtherItems(const v1::AssemblyBundle& items, ConnectionOrigins& origins) {
+  std::erase_if(origins, [&](const auto& origin) {
+    v1::AssemblyBundle together = items;
+    return !CombineItems(origin.second.drawing->bundle, &together).ok();
+  });
+}
+
+std::map<std::string, std::string> MaterialsOf(const Drawing& body,
+                                               const ConnectionOrigins& origins) {
+  std::map<std::string, std::string> materials;
+  const auto add = [&](const Drawing& drawing) {
+    for (const v1::Item& item : drawing.bundle.items()) materials[item.name()] = item.material();
+  };
+  for (const auto& [name, origin] : origins) add(*origin.drawing);
+  add(body);
+  return materials;
+}
+
 CollectionConnections::CollectionConnections(std::shared_ptr<grpc::Channel> catalog,
                                              OriginSource* origins, ModelDrawings* drawings,
                                              std::size_t capacity)

@@ -32,6 +32,18 @@ struct ConnectionOrigin {
 // is turned "assemblies/bookshelf turned z".
 using ConnectionOrigins = std::map<std::string, ConnectionOrigin>;
 
+// Returns all connections of these assemblies, which they outlive.
+std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& origins);
+
+// Leaves out the assemblies that are made of other revisions of items than these, with other sizes:
+// what is carried over from them would not fit.
+void LeaveOutOtherItems(const v1::AssemblyBundle& items, ConnectionOrigins& origins);
+
+// Returns the material of each item, by name, of the assemblies and of the body of a model, whose
+// own count.
+std::map<std::string, std::string> MaterialsOf(const Drawing& body,
+                                               const ConnectionOrigins& origins);
+
 // Thread safe.
 class CollectionConnections {
  public:

@@ -160,17 +160,6 @@ absl::StatusOr<std::optional<Design>> WholeOf(const OpenModel& model, const Open
   return whole;
 }
 
-// Leaves out the assemblies that are made of other revisions of items than the model, with other
-// sizes: what is carried over from them would not fit.
-void LeaveOutOtherItems(const Drawing& body, const Drawing& origin, ConnectionOrigins& sources) {
-  v1::AssemblyBundle together = body.bundle;
-  if (!CombineItems(origin.bundle, &together).ok()) return;  // AddComponent has seen to that
-  std::erase_if(sources, [&](const auto& source) {
-    v1::AssemblyBundle with = together;
-    return !CombineItems(source.second.drawing->bundle, &with).ok();
-  });
-}
-
 // Adds the assemblies turned as components of the model are: what stands along y is held together
 // as what stands along x. And `own` as it is drawn, in whose place the component's own design
 // comes.
@@ -197,25 +186,10 @@ absl::Status AddTurned(const OpenModel& model, const std::string& own,
   return absl::OkStatus();
 }
 
-// All connections of some assemblies.
-std::vector<const CollectionConnection*> ConnectionsOf(const ConnectionOrigins& sources) {
-  std::vector<const CollectionConnection*> connections;
-  for (const auto& [name, origin] : sources) {
-    for (const CollectionConnection& each : *origin.connections) connections.push_back(&each);
-  }
-  return connections;
-}
-
 // How a component is connected whose connections come from these assemblies.
 ConnectOptions OptionsFor(const Drawing& body, const ConnectionOrigins& sources) {
-  std::map<std::string, std::string> materials;
-  const auto add = [&](const Drawing& drawing) {
-    for (const v1::Item& item : drawing.bundle.items()) materials[item.name()] = item.material();
-  };
-  for (const auto& [name, origin] : sources) add(*origin.drawing);
-  add(body);
   ConnectOptions options;
-  options.material_of = [materials = std::move(materials)](const std::string& item) {
+  options.material_of = [materials = MaterialsOf(body, sources)](const std::string& item) {
     const auto found = materials.find(item);
     return found == materials.end() ? std::string() : found->second;
   };
@@ -344,11 +318,13 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
   // The component's design as it was when it was added, whatever has become of it, and turned as
   // the component is.
   sources[source] = {origin, own};
-  LeaveOutOtherItems(*body, *origin, sources);
+  // AddComponent has seen to it that the two go together.
+  v1::AssemblyBundle together = body->bundle;
+  if (CombineItems(origin->bundle, &together).ok()) LeaveOutOtherItems(together, sources);
   MORTISE_ASSIGN_OR_RETURN(
       const Connected connected,
       Connect(model.body->design, loose->part.design, asked.component(),
-              original ? &*original : nullptr, ConnectionsOf(sources), OptionsFor(*body, sources)));
+              original ? &*original : nullptr, ConnectionsIn(sources), OptionsFor(*body, sources)));
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeConnected(connected, asked.component(), {*body, *origin, sources},
                                          drawings, GivenUpWith(call), &model));

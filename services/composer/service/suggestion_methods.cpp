@@ -120,36 +120,14 @@ class Components {
   std::map<std::pair<std::string, std::string>, absl::StatusOr<Component>> known_;
 };
 
-std::vector<const CollectionConnection*> ConnectionsOf(const ConnectionOrigins& sources) {
-  std::vector<const CollectionConnection*> connections;
-  for (const auto& [name, origin] : sources) {
-    for (const CollectionConnection& each : *origin.connections) connections.push_back(&each);
-  }
-  return connections;
-}
-
-// Leaves out what AddComponent would refuse: made of other revisions of items, with other sizes.
-void LeaveOutOtherItems(const Drawing& body, ConnectionOrigins& sources) {
-  std::erase_if(sources, [&](const auto& source) {
-    v1::AssemblyBundle together = body.bundle;
-    return !CombineItems(source.second.drawing->bundle, &together).ok();
-  });
-}
-
 SameMaterial SameMaterialIn(const Drawing& body, const ConnectionOrigins& sources) {
-  std::map<std::string, std::string> materials;
-  for (const auto& [name, origin] : sources) {
-    for (const v1::Item& item : origin.drawing->bundle.items()) {
-      materials[item.name()] = item.material();
-    }
-  }
-  for (const v1::Item& item : body.bundle.items()) materials[item.name()] = item.material();
-  return [materials = std::move(materials)](const std::string& item, const std::string& other) {
-    if (item == other) return true;
-    const auto found = materials.find(item), others = materials.find(other);
-    return found != materials.end() && others != materials.end() && !found->second.empty() &&
-           found->second == others->second;
-  };
+  return
+      [materials = MaterialsOf(body, sources)](const std::string& item, const std::string& other) {
+        if (item == other) return true;
+        const auto found = materials.find(item), others = materials.find(other);
+        return found != materials.end() && others != materials.end() && !found->second.empty() &&
+               found->second == others->second;
+      };
 }
 
 v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOrigin& origin,
@@ -200,11 +178,11 @@ absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
                            composer.drawings.Get(model.name, model.body->drawing));
   MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
                            composer.collection.All(rpc::ForwardedFrom(call), is_given_up));
-  LeaveOutOtherItems(*drawing, sources);
+  LeaveOutOtherItems(drawing->bundle, sources);
   options.same_material = SameMaterialIn(*drawing, sources);
   Components components(asked, sources, composer.drawings, is_given_up);
   const std::vector<Suggestion> found = Suggest(
-      body, ConnectionsOf(sources),
+      body, ConnectionsIn(sources),
       [&](const std::string& assembly, const std::string& node) {
         return components.Get(assembly, node);
       },
