@@ -86,7 +86,7 @@ absl::Status Check(const CheckOptions& options, Session& session, Output& output
   v1::CheckModelRequest request;
   request.set_name(ResourceName("models", options.model));
   if (!options.picture.empty()) request.set_width(kPictureWidth);
-  MORTISE_ASSIGN_OR_RETURN(const v1::ModelCheck check,
+  MORTISE_ASSIGN_OR_RETURN(v1::ModelCheck check,
                            AskComposer(*client, &v1::ComposerService::Stub::CheckModel, request));
   output.Line(
       absl::StrFormat("%s, revision %d: %.3g kg", request.name(), check.revision(), check.mass()));
