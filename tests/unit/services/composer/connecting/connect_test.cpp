@@ -310,7 +310,7 @@ TEST(ConnectTest, WhatOnlyTouchesIsNoAnswerToScrewsThatDoNotFit) {
                                      });
     const bool is_warned_of = std::any_of(
         made.warnings.begin(), made.warnings.end(), [&](const ConnectionWarning& warning) {
-          return warning.first == rail && warning.second == "seat";
+          return warning.first == rail && warning.second == "new seat";
         });
     EXPECT_NE(is_held, is_warned_of) << rail;
   }
