@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -190,25 +191,46 @@ class Snapper {
     return nearest;
   }
 
-  // What lay against the component ended at its plane or before it. So it does where nothing near
-  // it reaches from one side of the plane to the other, if there are such targets.
+  // Finds what of the body each part of the component would come to lie against: the parts whose
+  // faces are the nearest of those that the original's contacts may be met by.
+  void FindAgainst(const std::vector<OriginalConstraint>& constraints) {
+    for (const OriginalConstraint& one : constraints) {
+      const DesignPlane& plane = planes_[static_cast<std::size_t>(one.plane)];
+      if (!one.is_contact || plane.part < 0) continue;
+      const std::vector<Target> nearest = TargetsOf(one, 1);
+      if (nearest.empty()) continue;
+      for (const OutsidePlane& kind : one.outside) {
+        for (const Target& target : TargetsOf(plane, kind)) {
+          const bool is_there = std::abs(target.place - nearest.front().place) <= tolerance_;
+          if (!is_there || target.plane->part < 0) continue;
+          against_[plane.part].insert(static_cast<std::size_t>(target.plane->part));
+        }
+      }
+    }
+  }
+
+  // What lay against the component's part ended at its plane or before it. So it does where nothing
+  // that it comes to lie against reaches from one side of the plane to the other, if there are such
+  // targets.
   void KeepOrder(const DesignPlane& plane, std::vector<Target>& targets) const {
+    const auto against = against_.find(plane.part);
+    if (against == against_.end()) return;
     const auto sticks_out = [&](const Target& target) {
-      return std::any_of(body_parts_.begin(), body_parts_.end(), [&](const PrincipalPart& part) {
-        return ReachesAcross(part.box, plane.axis, target.place, tolerance_) &&
-               ApartAcross(parts_[static_cast<std::size_t>(plane.part)].box, part.box,
-                           plane.axis) <= options_.reach;
+      return std::any_of(against->second.begin(), against->second.end(), [&](std::size_t part) {
+        return ReachesAcross(body_parts_[part].box, plane.axis, target.place, tolerance_);
       });
     };
-    if (plane.part < 0 || std::all_of(targets.begin(), targets.end(), sticks_out)) return;
+    if (std::all_of(targets.begin(), targets.end(), sticks_out)) return;
     std::erase_if(targets, sticks_out);
   }
 
   absl::Status UseOriginal() {
     std::vector<OriginalConstraint> constraints;
     IndependentForms independent(set_.feasible());
-    for (OriginalConstraint& one :
-         FindOriginalConstraints(*original_, parts_, planes_, options_.reach)) {
+    std::vector<OriginalConstraint> found =
+        FindOriginalConstraints(*original_, parts_, planes_, options_.reach);
+    FindAgainst(found);
+    for (OriginalConstraint& one : found) {
       const LinearForm& form = planes_[static_cast<std::size_t>(one.plane)].position;
       if (!independent.IsFree(form) || TargetsOf(one, 1).empty()) continue;
       independent.Keep(form);
@@ -407,6 +429,8 @@ class Snapper {
   const double tolerance_;
   const BoundingBox bounds_;  // of the component's principal parts
   std::vector<SolidPart> body_solids_;
+  // By part of the component, those of the body.
+  std::map<int, std::set<std::size_t>> against_;
   std::vector<Demand> held_;
   std::vector<Alignment> alignments_;
 };
