@@ -1,6 +1,7 @@
 #include "cli/commands/compose_output.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,12 @@ std::string SizeText(const v1::Vector3& minimum, const v1::Vector3& maximum) {
                          1000 * (maximum.y() - minimum.y()), 1000 * (maximum.z() - minimum.z()));
 }
 
+// m, in millimetres to a nanometre: what rounding has left of 0 is 0.
+double ToMillimetres(double metres) { return std::round(1e9 * metres) / 1e6; }
+
 std::string PlaceText(const v1::Vector3& minimum) {
-  return absl::StrFormat("%.4g, %.4g, %.4g mm", 1000 * minimum.x(), 1000 * minimum.y(),
-                         1000 * minimum.z());
+  return absl::StrFormat("%.4g, %.4g, %.4g mm", ToMillimetres(minimum.x()),
+                         ToMillimetres(minimum.y()), ToMillimetres(minimum.z()));
 }
 
 std::string OriginText(const v1::ModelComponent& component) {
