@@ -123,6 +123,8 @@ void TellWhatIsJudged(HoldingReport& report) {
   report.not_judged = {
       "glue: where it is used is not known, and nothing is taken to be glued",
       "how strong screws, dowels and brackets are, and what it takes to pull them out",
+      "whether a standard is met: loads and distances are as its are commonly cited, its tests are "
+      "others",
       "pushes from the side, what it is fixed to, wheels that roll, floors that are not level"};
   std::size_t odd = 0;
   for (const Joint& joint : report.joints) {
