@@ -50,7 +50,7 @@ TEST(SearchBoxTest, DerivesByUnitCoordinates) {
 TEST(SearchBoxTest, CompletesAPieceWithWhatIsFixed) {
   const SearchBox box(TwoOfFourVary());
   FrontPiece piece{Eigen::Vector2d(1, 2), MatrixXd(Eigen::Vector2d(0.6, 0.8)), 7};
-  box.Complete(piece);
+  box.AddHeldParameters(piece);
   EXPECT_EQ(piece.origin, VectorXd(Eigen::Vector4d(1, 5, 2, 2)));
   EXPECT_EQ(piece.directions, MatrixXd(Eigen::Vector4d(0.6, 0, 0.8, 0)));
   EXPECT_EQ(piece.points, 7);
