@@ -32,7 +32,7 @@ struct Subject {
   EvaluatedDesign design;
 
   absl::StatusOr<DesignModel> Model() const {
-    return MakeDesignModel(*function, parameters, design);
+    return MakeDesignModel(*design_template, parameters, design);
   }
 };
 
