@@ -53,6 +53,8 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.MeasureDemand.value",
       "mortise.v1.AdjustAssemblyRequest.q",
       "mortise.v1.DragControlRequest.value",
+      "mortise.v1.PreviewDragRequest.value",
+      "mortise.v1.PreviewDragRequest.since_value",
       "mortise.v1.EvaluateAssemblyRequest.Point.q",
       "mortise.v1.ExportAssemblyRequest.q",
       "mortise.v1.MaterialValues.thermal_expansion",
@@ -269,7 +271,9 @@ class Spoiler {
     // Only a request that knows a revision has one to be stale.
     const bool is_item = field->full_name() == "mortise.v1.Item.revision";
     if (is_item && FirstInteger(field) == 0) return;
-    const bool is_revision = field->name().ends_with("revision");
+    // After the present revision there is nothing yet.
+    const bool is_revision =
+        field->name().ends_with("revision") && field->name() != "after_revision";
     // A sequence may be read from before its beginning: from -1 on, only what is new.
     const int64_t negative = field->name() == "after_number" ? -2 : -1;
     Add("a negative number", is_revision ? Verdict::kRefused : Verdict::kField, set(negative));
@@ -359,7 +363,11 @@ class Spoiler {
   static void SetEnum(Message* at, const FieldDescriptor* field) {
     constexpr int kUnknown = 9999;
     const Reflection& reflection = *at->GetReflection();
-    if (field->is_repeated()) return reflection.AddEnumValue(at, field, kUnknown);
+    if (field->is_repeated()) {
+      if (reflection.FieldSize(*at, field) == 0)
+        return reflection.AddEnumValue(at, field, kUnknown);
+      return reflection.SetRepeatedEnumValue(at, field, 0, kUnknown);
+    }
     reflection.SetEnumValue(at, field, kUnknown);
   }
 
