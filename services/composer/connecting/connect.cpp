@@ -263,6 +263,9 @@ class Connector {
       const std::vector<SideOverlap> made =
           NewOverlaps(OverlapsBetween(sides_, all), OverlapsBetween(moved->sides, all));
       if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
+      if (std::string clash = ClashOfUsed(moved->sides); !clash.empty()) {
+        return absl::StrCat("with room for it, ", clash);
+      }
       fitted = *std::move(moved);
     }
     if (std::string clash = ClashOf(candidate, *placed, fitted.sides); !clash.empty()) {
@@ -319,6 +322,7 @@ class Connector {
       }
     }
     for (const Used& known : used_) {
+      if (&known.candidate == &candidate) continue;
       const auto its = Place(known.candidate, sides);
       if (!its.ok()) return std::string(its.status().message());
       for (const SolidPart& solid : SolidsOf(*known.candidate.from, *its)) {
@@ -326,6 +330,18 @@ class Connector {
           const double depth = SolidPart::DepthOf(part, solid);
           if (depth > 0) return Clash(part, solid, depth);
         }
+      }
+    }
+    return "";
+  }
+
+  // The same of the connections that are used already, which move with the sides.
+  std::string ClashOfUsed(const BothSides& sides) {
+    for (const Used& known : used_) {
+      const auto placed = Place(known.candidate, sides);
+      if (!placed.ok()) return std::string(placed.status().message());
+      if (std::string clash = ClashOf(known.candidate, *placed, sides); !clash.empty()) {
+        return clash;
       }
     }
     return "";

@@ -27,6 +27,12 @@ TEST(RandomScriptTest, LeavesAModelThatCanBeBuiltAfterEveryStep) {
   EXPECT_GT(held, kScripts / 5);
 }
 
+// Room for a later connection moved the screws of an earlier one into others.
+TEST(RandomScriptTest, KeepsTheScrewsOfEarlierConnectionsApart) {
+  EXPECT_THAT(RunRandomScript({.seed = 1458, .steps = 14, .most_parts = 130}).violations,
+              IsEmpty());
+}
+
 TEST(RandomScriptTest, IsTheSameAgain) {
   const ScriptOutcome once = RunRandomScript({.seed = 7, .steps = 8, .most_parts = 130});
   EXPECT_EQ(RunRandomScript({.seed = 7, .steps = 8, .most_parts = 130}).steps, once.steps);
