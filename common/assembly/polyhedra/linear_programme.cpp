@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Of a row's length: entries that only rounding has left of none. Clp's factorisation takes them to
-// pivot on, cancels them to zero, and then ends the process by an assertion.
+// Of a row's length: entries that only rounding has left of none. They say nothing, and Clp, whose
+// factorisation asserts that no entry is 0, need not pivot on them.
 constexpr double kRounding = 1e-14;
 
 // What ClpSimplex::status() says.

@@ -38,7 +38,7 @@ double LengthOf(const std::vector<PlacedPart>& parts, const std::string& name, A
   return 0;
 }
 
-// Some of these ended the process: an assertion of the solver of linear programmes failed.
+// One of these was seen to end the process by an assertion of the solver of linear programmes.
 TEST(ParametricAssembly, IsMadeOfBookcasesOfAnySize) {
   for (const auto& [columns, shelves] : {std::pair(12, 8), std::pair(10, 8), std::pair(8, 5)}) {
     const auto made = ParametricAssembly::Create(Bookcase(columns, shelves));
