@@ -27,7 +27,7 @@ namespace {
 
 using Stub = v1::ComposerService::Stub;
 
-// Which model a command is about; what all of them take.
+// All commands take these: they say which model a command is about.
 struct ModelOptions {
   std::string model;
   std::int64_t revision = 0;  // 0: the present one
@@ -45,7 +45,7 @@ struct AddOptions : ModelOptions {
   std::vector<std::string> demands;
 };
 
-// What commands take that are about a component or a node.
+// Commands that are about a component or a node take these.
 struct NodeOptions : ModelOptions {
   std::string component, node, at, control, to;
   bool controls = false;

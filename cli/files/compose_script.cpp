@@ -84,7 +84,7 @@ std::vector<std::pair<int, std::string>> WholeLines(std::string_view text) {
   return lines;
 }
 
-// What is wrong with which commands there are, and in which order.
+// Finds what is wrong with the choice of commands and with their order.
 void CheckOrder(const std::vector<ScriptLine>& lines, std::vector<FieldViolation>& findings) {
   if (lines.empty()) {
     findings.push_back({"line 1", "the script has no commands"});

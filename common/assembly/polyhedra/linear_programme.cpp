@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kTolerance = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Of a row's length: entries that only rounding has left of none. They say nothing, and Clp, whose
-// factorisation asserts that no entry is 0, need not pivot on them.
+// Entries of no more than this share of their row's length are what rounding has left of none. They
+// say nothing, and Clp's factorisation, which asserts that no entry is 0, need not pivot on them.
 constexpr double kRounding = 1e-14;
 
 // What ClpSimplex::status() says.
