@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
+#include "common/evaluation/described_design_space.h"
 #include "common/host/operation_codec.h"
 #include "common/operations/operation_kinds.h"
 #include "common/operations/operations.h"
@@ -42,8 +43,8 @@ absl::StatusOr<SettledDiscovery> SettleDiscovery(const Pareto& pareto, const rpc
   MORTISE_RETURN_IF_ERROR(
       CombineViolations(CheckSpecification(asked.specification()), resources::ValidateTags(asked)));
   MORTISE_ASSIGN_OR_RETURN(const auto channel, pareto.peers->Channel(kEvaluatorPeer));
-  const auto described =
-      DescribeDesignSpace(channel, asked.specification(), rpc::ForwardedFrom(call), {});
+  const auto described = evaluation::DescribeDesignSpace(
+      channel, DescriptionRequest(asked.specification()), rpc::ForwardedFrom(call), {});
   if (!described.ok()) {
     const bool named = absl::IsInvalidArgument(described.status());
     return named ? UnderField("specification", described.status()) : described.status();

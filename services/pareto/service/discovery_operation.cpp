@@ -15,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/evaluation/described_design_space.h"
 #include "common/host/operation_codec.h"
 #include "common/resources/resource_tags.h"
 #include "common/rpc/channel.h"
@@ -56,9 +57,9 @@ class DiscoveryRun {
     rpc::RetryOptions retry;
     retry.patience = kDescribePatience;
     retry.stop = context_.stop_token();
-    MORTISE_ASSIGN_OR_RETURN(
-        auto described,
-        DescribeDesignSpace(channel, specification(), MakeOrigin(kDescribePatience), retry));
+    MORTISE_ASSIGN_OR_RETURN(auto described, evaluation::DescribeDesignSpace(
+                                                 channel, DescriptionRequest(specification()),
+                                                 MakeOrigin(kDescribePatience), retry));
     MORTISE_ASSIGN_OR_RETURN(DiscoveryProblem problem, MakeProblem(specification(), *described));
     MORTISE_RETURN_IF_ERROR(LoadStart());
     problem.options.initial_designs = DesignsOf(start_);
