@@ -17,8 +17,8 @@
 
 namespace mortise::interpolator {
 
-// What a map of n parameters and m metrics says of one point.
-struct MapValues {
+// What a map of n parameters says of its m metrics at one point.
+struct PointMetrics {
   Eigen::VectorXd metrics;    // m, SI units
   Eigen::MatrixXd gradients;  // m x n, by (6.13)
 };
@@ -27,7 +27,7 @@ struct MapValues {
 // argument says so, and may be empty otherwise. Whatever it fails with ends the optimisation, but
 // OUT_OF_RANGE, which says that the map has nothing there.
 using MapFunction =
-    std::function<absl::StatusOr<MapValues>(const Eigen::VectorXd& parameters, bool gradients)>;
+    std::function<absl::StatusOr<PointMetrics>(const Eigen::VectorXd& parameters, bool gradients)>;
 
 // What a metric must keep to, SI units; at least one of the two.
 struct MetricLimit {

@@ -25,16 +25,16 @@ MapOptimization Bowl() {
           .limits = {}};
 }
 
-absl::StatusOr<MapValues> BowlValues(const VectorXd& at, bool /*gradients*/) {
-  MapValues values{.metrics = VectorXd(2), .gradients = MatrixXd(2, 2)};
+absl::StatusOr<PointMetrics> BowlValues(const VectorXd& at, bool /*gradients*/) {
+  PointMetrics values{.metrics = VectorXd(2), .gradients = MatrixXd(2, 2)};
   values.metrics << std::pow(at(0) - 2, 2) + 3 * std::pow(at(1) + 1, 2), at(0) + at(1);
   values.gradients << 2 * (at(0) - 2), 6 * (at(1) + 1), 1, 1;
   return values;
 }
 
 // f = |x - 1| + |x + y|, g = x: minimal at (1, -1), on two kinks.
-absl::StatusOr<MapValues> KinkValues(const VectorXd& at, bool /*gradients*/) {
-  MapValues values{.metrics = VectorXd(2), .gradients = MatrixXd(2, 2)};
+absl::StatusOr<PointMetrics> KinkValues(const VectorXd& at, bool /*gradients*/) {
+  PointMetrics values{.metrics = VectorXd(2), .gradients = MatrixXd(2, 2)};
   const double a = at(0) - 1, b = at(0) + at(1);
   values.metrics << std::abs(a) + std::abs(b), at(0);
   values.gradients << std::copysign(1.0, a) + std::copysign(1.0, b), std::copysign(1.0, b), 1, 0;
@@ -107,14 +107,14 @@ TEST(MapOptimizationTest, SaysByHowMuchLimitsAreMissedThatNothingKeeps) {
 }
 
 TEST(MapOptimizationTest, StaysWhereTheMapHasSomething) {
-  const MapFunction half = [](const VectorXd& at, bool gradients) -> absl::StatusOr<MapValues> {
+  const MapFunction half = [](const VectorXd& at, bool gradients) -> absl::StatusOr<PointMetrics> {
     if (at(0) > 1) return absl::OutOfRangeError("cut off");
     return BowlValues(at, gradients);
   };
   const auto optimum = Optimize(Bowl(), half);
   ASSERT_TRUE(optimum.ok()) << optimum.status();
   EXPECT_LE(optimum->parameters(0), 1);
-  const MapFunction none = [](const VectorXd&, bool) -> absl::StatusOr<MapValues> {
+  const MapFunction none = [](const VectorXd&, bool) -> absl::StatusOr<PointMetrics> {
     return absl::OutOfRangeError("cut off");
   };
   EXPECT_EQ(Optimize(Bowl(), none).status().code(), absl::StatusCode::kOutOfRange);
