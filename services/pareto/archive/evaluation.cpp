@@ -84,6 +84,15 @@ absl::Status Validate(const DesignSpace& space, Eigen::Index limit) {
   return absl::OkStatus();
 }
 
+evaluation::FailedDesign FailureOf(const Evaluation& evaluation) {
+  if (evaluation.status == EvaluationStatus::kFailed) {
+    return {evaluation.reason, evaluation.code, evaluation.message, evaluation.x};
+  }
+  return {"NOT_FINITE", absl::StatusCode::kInternal,
+          evaluation.message.empty() ? "a metric or constraint is not finite" : evaluation.message,
+          evaluation.x};
+}
+
 bool IsUsable(const Evaluation& evaluation) {
   return evaluation.status == EvaluationStatus::kEvaluated && evaluation.metrics.allFinite() &&
          evaluation.constraints.allFinite();

@@ -12,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/evaluation/failures/failure_tally.h"
 
 namespace mortise::pareto {
 
@@ -65,6 +66,9 @@ struct Evaluation {
 // Whether an evaluation has metrics and constraints to go by: it is evaluated, and all of them are
 // finite.
 bool IsUsable(const Evaluation& evaluation);
+
+// Returns why an evaluation that is not usable is not: what it failed for, or "NOT_FINITE".
+evaluation::FailedDesign FailureOf(const Evaluation& evaluation);
 
 // Fails with INVALID_ARGUMENT naming "metrics", "deviations", "constraints", "jacobian" or
 // "constraint_jacobian" where an evaluation has another count of them than `metrics` d,

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/evaluation/failures/failure_tally.h"
 #include "services/pareto/archive/archive.h"
 #include "services/pareto/archive/evaluation.h"
-#include "services/pareto/archive/failure_tally.h"
 #include "services/pareto/front/front.h"
 #include "services/pareto/models/surrogate_quality.h"
 
@@ -27,11 +27,12 @@ class AskTell {
 
   struct Summary {
     StopReason stop_reason = StopReason::kRunning;
-    std::string message;                 // why, for people
-    std::int64_t evaluations = 0;        // committed
-    std::int64_t failed = 0;             // of those
-    std::int64_t violating = 0;          // of those, evaluated but not within all constraints
-    std::vector<FailureCount> failures;  // what they failed for; the counts add up to `failed`
+    std::string message;           // why, for people
+    std::int64_t evaluations = 0;  // committed
+    std::int64_t failed = 0;       // of those
+    std::int64_t violating = 0;    // of those, evaluated but not within all constraints
+    std::vector<evaluation::FailureCount>
+        failures;  // what they failed for; the counts add up to `failed`
     std::int64_t optimizations = 0;
     std::int64_t expansions = 0;
     std::int64_t pieces = 0;         // affine ones followed so far; the front has fewer

@@ -182,7 +182,7 @@ void CombinedDiscovery::Commit(Window::Proposed proposed) {
     added.constraints = result.constraints;
   } else {
     ++failed_;
-    failures_.Add(result);
+    failures_.Add(FailureOf(result));
     if (message_.empty()) message_ = result.message;
   }
   const std::size_t entry = archive_.Add(std::move(added));

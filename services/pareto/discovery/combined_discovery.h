@@ -45,8 +45,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/random.h"
+#include "common/evaluation/failures/failure_tally.h"
 #include "services/pareto/archive/archive.h"
-#include "services/pareto/archive/failure_tally.h"
 #include "services/pareto/archive/performance_buffer.h"
 #include "services/pareto/discovery/ask_tell.h"
 #include "services/pareto/discovery/combination_search.h"
@@ -168,7 +168,7 @@ class CombinedDiscovery : public AskTell {
   int looked_ = 0;
   std::set<std::vector<double>> designs_;  // proposed
   std::int64_t failed_ = 0;
-  FailureTally failures_;
+  evaluation::FailureTally failures_;
   mutable ShownHypervolume shown_;  // by summary()
   StopReason stop_ = StopReason::kRunning;
   std::string message_;

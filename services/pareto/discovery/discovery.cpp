@@ -117,7 +117,7 @@ void Discovery::Commit(std::int64_t number, const Window::Proposed& proposed) {
   const Evaluation& result = *proposed.result;
   if (!IsUsable(result)) {
     ++failed_;
-    failures_.Add(result);
+    failures_.Add(FailureOf(result));
     if (message_.empty()) message_ = result.message;
   }
   const Admitted admitted = Admit(proposed.origin.u, proposed.x, result);

@@ -29,9 +29,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/random.h"
+#include "common/evaluation/failures/failure_tally.h"
 #include "services/pareto/archive/archive.h"
 #include "services/pareto/archive/evaluation.h"
-#include "services/pareto/archive/failure_tally.h"
 #include "services/pareto/archive/performance_buffer.h"
 #include "services/pareto/discovery/ask_tell.h"
 #include "services/pareto/discovery/discovery_options.h"
@@ -182,7 +182,7 @@ class Discovery : public AskTell {
   int tracks_since_progress_ = 0;
   std::int64_t failed_ = 0;
   std::int64_t learnt_violating_ = 0;  // evaluations made elsewhere, beyond constraints
-  FailureTally failures_;
+  evaluation::FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
   std::int64_t surrogate_proposals_ = 0;

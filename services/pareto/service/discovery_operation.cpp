@@ -148,7 +148,7 @@ class DiscoveryRun {
         absl::StrFormat("hypervolume %.4f, %d cells covered, %d pieces followed, %d failed",
                         summary.hypervolume, summary.cells_covered, summary.pieces, summary.failed);
     if (summary.failed > 0) {
-      absl::StrAppend(&progress.message, " (", CountsByReason(summary.failures), ")");
+      absl::StrAppend(&progress.message, " (", evaluation::CountsByReason(summary.failures), ")");
     }
     if (summary.violating > 0) {
       absl::StrAppend(&progress.message, ", ", summary.violating, " beyond constraints");

@@ -102,7 +102,7 @@ void AddEvaluations(const DiscoveryProblem& problem, const AskTell::Summary& sum
   message.set_subject_evaluations(summary.evaluations * problem.robustness.EvaluationsPerDesign());
   message.set_failed_evaluations(summary.failed);
   message.set_violating_evaluations(summary.violating);
-  for (const FailureCount& failure : summary.failures) {
+  for (const evaluation::FailureCount& failure : summary.failures) {
     v1::EvaluationFailure& to = *message.add_failures();
     to.set_reason(failure.reason);
     to.set_count(failure.count);

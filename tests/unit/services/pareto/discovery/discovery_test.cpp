@@ -354,5 +354,29 @@ TEST(DiscoveryTest, RefusesResultsThatDoNotBelong) {
   EXPECT_TRUE(absl::IsInvalidArgument(discovery->Tell(0, evaluation)));
 }
 
+TEST(DiscoveryTest, KeepsWhyDesignsFailed) {
+  Discovery::Options options;
+  options.evaluations = 40;
+  auto discovery = *Discovery::Create({Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1)}, 2, options);
+  while (const auto proposal = discovery->Ask()) {
+    Evaluation evaluation;
+    evaluation.x = proposal->x;
+    evaluation.reason = "TOO_WIDE";
+    evaluation.message = "too wide";
+    evaluation.code = absl::StatusCode::kFailedPrecondition;
+    if (proposal->x[0] < 0.7) {
+      evaluation.status = EvaluationStatus::kEvaluated;
+      evaluation.metrics = Eigen::Vector2d(proposal->x[0], 1 - proposal->x[0]);
+      if (proposal->x[1] > 0.8) evaluation.metrics[0] = INFINITY;
+    }
+    ASSERT_TRUE(discovery->Tell(proposal->number, evaluation).ok());
+  }
+  const Discovery::Summary summary = discovery->summary();
+  ASSERT_EQ(summary.failures.size(), 2u);
+  EXPECT_EQ(summary.failures[0].count + summary.failures[1].count, summary.failed);
+  const bool first = summary.failures[0].reason == "TOO_WIDE";
+  EXPECT_EQ(summary.failures[first ? 1 : 0].reason, "NOT_FINITE");
+}
+
 }  // namespace
 }  // namespace mortise::pareto

@@ -1,20 +1,13 @@
 // Why designs failed: what counts as alike, and what is told of it.
-#include "services/pareto/archive/failure_tally.h"
+#include "common/evaluation/failures/failure_tally.h"
 
 #include <gtest/gtest.h>
 
-#include "services/pareto/discovery/discovery.h"
-
-namespace mortise::pareto {
+namespace mortise::evaluation {
 namespace {
 
-Evaluation Failed(const std::string& reason, const std::string& message, double x = 0) {
-  Evaluation failed;
-  failed.x = Eigen::VectorXd::Constant(1, x);
-  failed.reason = reason;
-  failed.message = message;
-  failed.code = absl::StatusCode::kFailedPrecondition;
-  return failed;
+FailedDesign Failed(const std::string& reason, const std::string& message, double x = 0) {
+  return {reason, absl::StatusCode::kFailedPrecondition, message, Eigen::VectorXd::Constant(1, x)};
 }
 
 TEST(FailureTallyTest, CountsWhatDiffersInNumbersOnlyAsAlike) {
@@ -52,26 +45,18 @@ TEST(FailureTallyTest, StaysSmallAndCountsEverything) {
   EXPECT_EQ(count, 1000);
 }
 
-TEST(FailureTallyTest, DiscoveriesKeepWhyDesignsFailed) {
-  Discovery::Options options;
-  options.evaluations = 40;
-  auto discovery = *Discovery::Create({Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1)}, 2, options);
-  while (const auto proposal = discovery->Ask()) {
-    Evaluation evaluation = Failed("TOO_WIDE", "too wide");
-    evaluation.x = proposal->x;
-    if (proposal->x[0] < 0.7) {
-      evaluation.status = EvaluationStatus::kEvaluated;
-      evaluation.metrics = Eigen::Vector2d(proposal->x[0], 1 - proposal->x[0]);
-      if (proposal->x[1] > 0.8) evaluation.metrics[0] = INFINITY;
-    }
-    ASSERT_TRUE(discovery->Tell(proposal->number, evaluation).ok());
+TEST(FailureTallyTest, TellsWhatASubjectMayLackFromWhatDesignsLack) {
+  FailureTally tally;
+  for (int i = 0; i < 2; ++i) {
+    tally.Add(Failed("NO_SUPPORT", "nothing holds it"));
+    tally.Add(Failed("RIGID_MOTION", "it can turn"));
+    tally.Add({"FIELD_INVALID", absl::StatusCode::kInvalidArgument, "too thin", {}});
   }
-  const Discovery::Summary summary = discovery->summary();
-  ASSERT_EQ(summary.failures.size(), 2u);
-  EXPECT_EQ(summary.failures[0].count + summary.failures[1].count, summary.failed);
-  const bool first = summary.failures[0].reason == "TOO_WIDE";
-  EXPECT_EQ(summary.failures[first ? 1 : 0].reason, "NOT_FINITE");
+  tally.Add(Failed("NO_LOAD", "nothing loads it"));
+  ASSERT_EQ(tally.failures().size(), 4u);
+  EXPECT_TRUE(MayBeOfSubject(tally.failures()[0]));
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_FALSE(MayBeOfSubject(tally.failures()[i])) << i;
 }
 
 }  // namespace
-}  // namespace mortise::pareto
+}  // namespace mortise::evaluation

@@ -1,5 +1,5 @@
 // Grouping of failures by what they say.
-#include "services/pareto/archive/failure_tally.h"
+#include "common/evaluation/failures/failure_tally.h"
 
 #include <algorithm>
 #include <map>
@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
-namespace mortise::pareto {
+namespace mortise::evaluation {
 namespace {
 
 constexpr std::size_t kMaxKinds = 16;
@@ -39,25 +39,23 @@ std::string WithoutNumbers(const std::string& text) {
   return rest;
 }
 
-// An answer without numbers, as a failure.
-Evaluation NotFinite(const Evaluation& result) {
-  Evaluation failed;
-  failed.x = result.x;
-  failed.message = result.message.empty() ? "a metric or constraint is not finite" : result.message;
-  failed.reason = "NOT_FINITE";
-  failed.code = absl::StatusCode::kInternal;
-  return failed;
+// Reasons that are FAILED_PRECONDITION, but may hold for some designs of a subject only, and be
+// given in the same words for many.
+bool IsOfDesign(const std::string& reason) {
+  for (const char* known :
+       {"RIGID_MOTION", "SINGULAR", "NOT_CONVERGED", "NOT_BONDED", "NOT_FINITE", "QUARANTINED"}) {
+    if (reason == known) return true;
+  }
+  return false;
 }
 
-std::string ReasonOf(const Evaluation& failed) {
+std::string ReasonOf(const FailedDesign& failed) {
   return failed.reason.empty() ? absl::StatusCodeToString(failed.code) : failed.reason;
 }
 
 }  // namespace
 
-void FailureTally::Add(const Evaluation& evaluation) {
-  const Evaluation failed =
-      evaluation.status == EvaluationStatus::kFailed ? evaluation : NotFinite(evaluation);
+void FailureTally::Add(const FailedDesign& failed) {
   std::string reason = ReasonOf(failed);
   std::string key = absl::StrCat(reason, " ", WithoutNumbers(failed.message));
   auto at = std::find(keys_.begin(), keys_.end(), key);
@@ -73,6 +71,13 @@ void FailureTally::Add(const Evaluation& evaluation) {
   FailureCount& known = failures_[static_cast<std::size_t>(at - keys_.begin())];
   ++known.count;
   known.same_message = known.same_message && known.message == failed.message;
+}
+
+bool MayBeOfSubject(const FailureCount& failure) {
+  return failure.count > 1 && failure.same_message && !IsOfDesign(failure.reason) &&
+         (failure.code == absl::StatusCode::kFailedPrecondition ||
+          failure.code == absl::StatusCode::kNotFound ||
+          failure.code == absl::StatusCode::kUnimplemented);
 }
 
 std::string CountsByReason(const std::vector<FailureCount>& failures) {
@@ -96,4 +101,4 @@ std::string CountsWithExamples(const std::vector<FailureCount>& failures) {
   });
 }
 
-}  // namespace mortise::pareto
+}  // namespace mortise::evaluation
