@@ -2,14 +2,12 @@
 #include "services/pareto/discovery/discovery_run.h"
 
 #include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/mailbox.h"
 #include "common/base/thread_pool.h"
 
 namespace mortise::pareto {
@@ -19,30 +17,6 @@ constexpr std::chrono::milliseconds kCancelPoll{100};
 
 using Clock = std::chrono::steady_clock;
 using Numbered = std::vector<std::pair<std::int64_t, Evaluation>>;
-
-// Finished batches, handed from the lanes to the thread that runs the discovery.
-class Mailbox {
- public:
-  void Put(absl::StatusOr<Numbered> batch) {
-    const std::lock_guard lock(mutex_);
-    batches_.push_back(std::move(batch));
-    arrived_.notify_one();
-  }
-
-  // Nothing if no batch arrives within `patience`.
-  std::optional<absl::StatusOr<Numbered>> Take(std::chrono::milliseconds patience) {
-    std::unique_lock lock(mutex_);
-    if (!arrived_.wait_for(lock, patience, [&] { return !batches_.empty(); })) return std::nullopt;
-    absl::StatusOr<Numbered> batch = std::move(batches_.front());
-    batches_.pop_front();
-    return batch;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<absl::StatusOr<Numbered>> batches_;  // guarded by mutex_
-};
 
 absl::StatusOr<Numbered> EvaluateBatch(Evaluator& evaluator,
                                        const std::vector<AskTell::Proposal>& batch) {
@@ -173,7 +147,7 @@ class Loop {
   Evaluator& evaluator_;
   const RunOptions& options_;
   const std::map<std::int64_t, Evaluation>& known_;
-  Mailbox mailbox_;
+  Mailbox<absl::StatusOr<Numbered>> mailbox_;  // finished batches, from the lanes
   int under_way_ = 0;
   Clock::time_point answered_ = Clock::now();  // last
   Clock::time_point told_ = answered_;         // of waiting, or answered
