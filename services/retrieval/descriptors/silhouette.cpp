@@ -1,6 +1,7 @@
 #include "services/retrieval/descriptors/silhouette.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,6 +10,7 @@ namespace mortise::retrieval {
 namespace {
 
 constexpr int kColumnsARow = 2;  // columns as wide as half a row is high
+constexpr int kBits = 64;        // of a word
 constexpr float kFarLeft = std::numeric_limits<float>::lowest();
 constexpr float kFarRight = std::numeric_limits<float>::max();
 
@@ -23,8 +25,8 @@ SilhouetteRaster::SilhouetteRaster(int rows, const Eigen::Vector2d& corner, doub
       row_height_(size / rows),
       cells_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows * kColumnsARow),
              Cell{kFarRight, kFarLeft}),
-      first_column_(static_cast<std::size_t>(rows), rows * kColumnsARow),
-      last_column_(static_cast<std::size_t>(rows), -1) {}
+      words_((rows * kColumnsARow + kBits - 1) / kBits),
+      touched_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(words_), 0) {}
 
 // Corners in rows and columns.
 void SilhouetteRaster::Fill(Eigen::Vector2d a, Eigen::Vector2d b, Eigen::Vector2d c) {
@@ -49,10 +51,8 @@ void SilhouetteRaster::Fill(Eigen::Vector2d a, Eigen::Vector2d b, Eigen::Vector2
     Cell& cell = cells_[static_cast<std::size_t>(row * columns + column)];
     cell.begin = std::min(cell.begin, begin);
     cell.end = std::max(cell.end, end);
-    int& first_column = first_column_[static_cast<std::size_t>(row)];
-    int& last_column = last_column_[static_cast<std::size_t>(row)];
-    first_column = std::min(first_column, column);
-    last_column = std::max(last_column, column);
+    touched_[static_cast<std::size_t>(row * words_ + column / kBits)] |= std::uint64_t{1}
+                                                                         << column % kBits;
   }
 }
 
@@ -75,17 +75,19 @@ Silhouette SilhouetteRaster::Draw(const Eigen::Matrix2Xd& points,
                                   corner_.x() + open.begin / scale.x(),
                                   corner_.x() + open.end / scale.x()});
     };
-    const int last = std::exchange(last_column_[static_cast<std::size_t>(row)], -1);
-    const int first = std::exchange(first_column_[static_cast<std::size_t>(row)], columns);
-    for (int column = first; column <= last; ++column) {
-      Cell& touched = cells_[static_cast<std::size_t>(row * columns + column)];
-      if (touched.begin == kFarRight) continue;
-      const Cell cell = std::exchange(touched, Cell{kFarRight, kFarLeft});
-      if (cell.begin > open.end) {
-        close();
-        open = cell;
+    for (int word = 0; word < words_; ++word) {
+      std::uint64_t touched =
+          std::exchange(touched_[static_cast<std::size_t>(row * words_ + word)], 0);
+      for (; touched != 0; touched &= touched - 1) {
+        const int column = word * kBits + std::countr_zero(touched);
+        const Cell cell = std::exchange(cells_[static_cast<std::size_t>(row * columns + column)],
+                                        Cell{kFarRight, kFarLeft});
+        if (cell.begin > open.end) {
+          close();
+          open = cell;
+        }
+        open.end = std::max(open.end, cell.end);
       }
-      open.end = std::max(open.end, cell.end);
     }
     close();
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 namespace mortise::retrieval {
@@ -48,8 +49,9 @@ class SilhouetteRaster {
   Eigen::Vector2d corner_;
   double row_height_;
   std::vector<Cell> cells_;  // rows × columns; empty between silhouettes
-  // Of each row, the columns in which something begins: most rows have few.
-  std::vector<int> first_column_, last_column_;
+  int words_;                // of a row of columns
+  // The columns in which something begins, one bit each, rows × words: most rows have few.
+  std::vector<std::uint64_t> touched_;
 };
 
 }  // namespace mortise::retrieval
