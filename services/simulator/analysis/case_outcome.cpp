@@ -99,17 +99,23 @@ absl::StatusOr<std::string> WriteFields(const mesh::TetrahedralMesh& mesh,
                         {{"error of the stress (J^1/2)", element_error.transpose()}});
 }
 
-absl::StatusOr<std::string> WriteHeat(const mesh::TetrahedralMesh& mesh,
-                                      const std::vector<Material>& materials,
-                                      const Eigen::VectorXd& temperature) {
+Eigen::Matrix3Xd ElementHeatFlux(const mesh::TetrahedralMesh& mesh,
+                                 const std::vector<Material>& materials,
+                                 const Eigen::VectorXd& temperature) {
   const Eigen::Matrix3Xd at_points = HeatFluxAtPoints(mesh, materials, temperature);
   const Eigen::Index points = at_points.cols() / mesh.tetrahedra.cols();
   Eigen::Matrix3Xd flux(3, mesh.tetrahedra.cols());
   for (Eigen::Index e = 0; e < flux.cols(); ++e) {
     flux.col(e) = at_points.middleCols(e * points, points).rowwise().mean();
   }
+  return flux;
+}
+
+absl::StatusOr<std::string> WriteHeat(const mesh::TetrahedralMesh& mesh,
+                                      const std::vector<Material>& materials,
+                                      const Eigen::VectorXd& temperature) {
   return mesh::WriteVtu(mesh, {{"temperature", temperature.transpose()}},
-                        {{"heat flux (W/m^2)", flux}});
+                        {{"heat flux (W/m^2)", ElementHeatFlux(mesh, materials, temperature)}});
 }
 
 }  // namespace mortise::simulator

@@ -62,6 +62,11 @@ absl::StatusOr<std::string> WriteFields(const mesh::TetrahedralMesh& mesh,
                                         const Eigen::VectorXd& element_error,
                                         double reference_temperature);
 
+// Returns the heat flux in each element, W/m²: 3 × elements, the mean of its integration points.
+Eigen::Matrix3Xd ElementHeatFlux(const mesh::TetrahedralMesh& mesh,
+                                 const std::vector<Material>& materials,
+                                 const Eigen::VectorXd& temperature);
+
 // Returns a VTU file with the temperature at the nodes and the heat flux in each element.
 absl::StatusOr<std::string> WriteHeat(const mesh::TetrahedralMesh& mesh,
                                       const std::vector<Material>& materials,

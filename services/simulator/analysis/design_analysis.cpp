@@ -180,10 +180,11 @@ struct AnalysisPlan {
   bool heat = false;                            // the temperatures
   bool airflow = false;                         // the air around it
   int modes = 0;                                // how many natural modes
+  bool mesh = false;                            // a mesh, if nothing else needs it
   bool estimates = false;                       // the error of each load case
   std::vector<std::string> with_gradient = {};  // the metrics that have one
 
-  bool needs_mesh() const { return loads || heat || modes > 0; }
+  bool needs_mesh() const { return mesh || loads || heat || modes > 0; }
 };
 
 // Fails where a metric is none, or the model is not one or lacks what a metric needs.
@@ -195,10 +196,13 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   AnalysisPlan plan;
   plan.modes = demands.modes ? std::max(1, options.modes) : options.modes;
   plan.airflow = demands.airflow || options.with_airflow;
-  MORTISE_RETURN_IF_ERROR(
-      CheckModel(model, fields || plan.modes > 0 || plan.airflow || demands.surface));
-  plan.loads = demands.loads || (fields && (IsLoaded(model) || (!model.heat && !plan.airflow)));
-  plan.heat = demands.heat || (model.heat && fields);
+  plan.mesh = options.with_mesh;
+  MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || plan.modes > 0 || plan.airflow ||
+                                                demands.surface || options.besides.surface ||
+                                                options.with_mesh));
+  plan.loads = demands.loads || options.besides.loads ||
+               (fields && (IsLoaded(model) || (!model.heat && !plan.airflow)));
+  plan.heat = demands.heat || options.besides.heat || (model.heat && fields);
   if (plan.heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }

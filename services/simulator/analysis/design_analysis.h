@@ -80,6 +80,8 @@ struct DesignAnalysisOptions {
   parametric::Airflow airflow = {};
   AirflowSolverOptions airflow_solver = {};
   bool with_airflow = false;
+  MetricDemands besides = {};  // what is computed whether the metrics need it or not
+  bool with_mesh = false;      // a mesh of the volume in any case
   // The mesh is refined until the estimated relative error is at most this, 0.001 to 1, or the
   // limits of memory and elements forbid it; 0 for no refinement.
   double wanted_error = 0;

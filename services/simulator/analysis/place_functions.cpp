@@ -27,12 +27,6 @@ int AxisOf(const std::string& function) {
   return static_cast<int>(std::string("xyz").find(function.back()));
 }
 
-// How a face is called: of a design of one part without the part.
-std::string FaceText(const mesh::AssemblySurface& surface, const mesh::NamedFace& face) {
-  if (surface.part_names.size() == 1) return face.name;
-  return absl::StrCat(surface.part_names[static_cast<std::size_t>(face.part)], "/", face.name);
-}
-
 // The area of a face, and its first moment.
 struct FaceMoments {
   double area = 0;                                   // m²
@@ -115,6 +109,11 @@ absl::StatusOr<Eigen::VectorXd> AtPointOf(const mesh::TetrahedralMesh& mesh,
 }
 
 }  // namespace
+
+std::string FaceText(const mesh::AssemblySurface& surface, const mesh::NamedFace& face) {
+  if (surface.part_names.size() == 1) return face.name;
+  return absl::StrCat(surface.part_names[static_cast<std::size_t>(face.part)], "/", face.name);
+}
 
 std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::string& name) {
   for (const auto& [condition, face] : model.condition_faces) {

@@ -19,6 +19,9 @@ struct MetricPlace {
   mesh::NamedFace face;                  // where there is no point
 };
 
+// Returns what metrics call a face: "cap" of a design of one part, else "seat/z_max".
+std::string FaceText(const mesh::AssemblySurface& surface, const mesh::NamedFace& face);
+
 // Returns the face that the condition of this name acts on, else a face, "cap" of a design of one
 // part, or "seat/z_max" of a part; nothing if there is none.
 std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::string& name);

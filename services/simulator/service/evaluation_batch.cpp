@@ -54,6 +54,7 @@ class DifferencedPoint : public std::enable_shared_from_this<DifferencedPoint> {
   void Begin(EvaluationBatch& batch, const v1::DesignSpace& space, v1::Task task) {
     const v1::DesignPoint at = task.point();
     task.set_gradients(false);
+    task.clear_design_fields();
     *task.mutable_metrics() = {metrics_.begin(), metrics_.end()};
     std::vector<EvaluationBatch::Evaluation> evaluations;
     for (int k = 0; k < space.parameters_size() && !metrics_.empty(); ++k) {
@@ -125,8 +126,9 @@ void EvaluationBatch::Evaluate(std::vector<Evaluation> evaluations) {
   for (Evaluation& evaluation : evaluations) {
     std::string key = ResultKey(evaluation.task);
     v1::EvaluationResult result;
-    // What is kept and damaged is evaluated again.
-    if (const auto known = cache_->Find(key); known && result.ParseFromString(*known)) {
+    // What is kept and damaged, or has lost its file, is evaluated again.
+    if (const auto known = cache_->Find(key);
+        known && result.ParseFromString(*known) && core_->KeepsFileOf(result)) {
       result.set_cached(true);
       evaluation.receive(std::move(result));
       continue;

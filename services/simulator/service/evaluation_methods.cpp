@@ -9,6 +9,7 @@
 #include "common/files/evaluation_settings.h"
 #include "common/rpc/channel.h"
 #include "mortise/v1/simulator.pb.h"
+#include "services/simulator/service/design_fields_checks.h"
 #include "services/simulator/service/difference_gradients.h"
 #include "services/simulator/service/evaluation_subject.h"
 
@@ -28,6 +29,7 @@ v1::Task TaskOf(const v1::EvaluateBatchRequest& asked, const EvaluationSubject& 
   *task.mutable_mesh() = asked.mesh();
   *task.mutable_metric_definitions() = asked.metric_definitions();
   if (asked.has_airflow()) *task.mutable_airflow() = asked.airflow();
+  if (asked.has_design_fields()) *task.mutable_design_fields() = asked.design_fields();
   task.set_trace_id(trace_id);
   return task;
 }
@@ -45,6 +47,9 @@ absl::StatusOr<EvaluationSubject> SubjectOf(const Evaluations& evaluations, cons
                                        asked.metric_definitions(), rpc::ForwardedFrom(call)));
   MORTISE_RETURN_IF_ERROR(
       CheckMetrics(subject.space, {asked.metrics().begin(), asked.metrics().end()}));
+  if (asked.has_design_fields()) {
+    MORTISE_RETURN_IF_ERROR(CheckWanted(subject.space, asked.design_fields()));
+  }
   MORTISE_RETURN_IF_ERROR(CheckDifferences(asked, subject.space.parameters_size()));
   return subject;
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "services/simulator/analysis/design_analysis.h"
+#include "services/simulator/analysis/design_fields.h"
 #include "services/simulator/service/evaluator_records.h"
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/worker/subject_metrics.h"
@@ -54,6 +55,15 @@ EvaluationSubject SubjectOf(const EvaluatedTemplate& compiled,
     described->set_unit(metric.unit);
     described->set_description(metric.description.empty() ? metric.expression : metric.description);
     described->set_offers_gradient(OffersGradient(compiled, metric.name, own));
+  }
+  space.set_geometry(v1::TETRAHEDRA);
+  for (const FieldDescription& field : OfferedFields()) {
+    auto* described = space.add_fields();
+    described->set_name(field.name);
+    described->set_unit(field.unit);
+    described->set_components(field.components);
+    described->set_of_elements(field.of_elements);
+    described->set_description(field.description);
   }
   return subject;
 }

@@ -49,11 +49,13 @@ bool MayEndOtherwise(const absl::Status& failure) {
 }
 
 // A task that is there, queued afresh if it is worth it.
-absl::StatusOr<FoundTask> FindOrRenew(store::Transaction& transaction,
-                                      const store::NewTask& fresh) {
+absl::StatusOr<FoundTask> FindOrRenew(store::Transaction& transaction, const store::NewTask& fresh,
+                                      const IsWhole& is_whole) {
   MORTISE_ASSIGN_OR_RETURN(store::Task task, transaction.GetTask(fresh.queue, fresh.key));
-  const bool again = task.state == store::TaskState::kCancelled ||
-                     (task.state == store::TaskState::kFailed && MayEndOtherwise(TaskError(task)));
+  const bool again =
+      task.state == store::TaskState::kCancelled ||
+      (task.state == store::TaskState::kFailed && MayEndOtherwise(TaskError(task))) ||
+      (task.state == store::TaskState::kSucceeded && !is_whole(task));
   if (again) {
     MORTISE_RETURN_IF_ERROR(transaction.DeleteTask(fresh.queue, fresh.key));
     MORTISE_RETURN_IF_ERROR(transaction.EnqueueTask(fresh));
@@ -67,7 +69,8 @@ absl::StatusOr<FoundTask> FindOrRenew(store::Transaction& transaction,
 }  // namespace
 
 absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
-                                                     const std::vector<WantedTask>& wanted) {
+                                                     const std::vector<WantedTask>& wanted,
+                                                     const IsWhole& is_whole) {
   std::vector<store::NewTask> fresh;
   for (const WantedTask& task : wanted) {
     fresh.push_back({.queue = QueueOf(task.key),
@@ -79,7 +82,7 @@ absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transac
   std::vector<FoundTask> found(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (queued[i]) continue;
-    MORTISE_ASSIGN_OR_RETURN(found[i], FindOrRenew(transaction, fresh[i]));
+    MORTISE_ASSIGN_OR_RETURN(found[i], FindOrRenew(transaction, fresh[i], is_whole));
   }
   return found;
 }

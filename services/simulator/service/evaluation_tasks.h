@@ -43,11 +43,15 @@ struct FoundTask {
   bool known_before = false;            // it has a result that was computed before
 };
 
+// Whether a task that succeeded still has all that its result speaks of.
+using IsWhole = std::function<bool(const store::Task& task)>;
+
 // Returns the tasks under the keys, queued by this call if they were not there. Those that failed
-// for a passing reason, for a limit of time or for want of OpenFOAM or Gmsh, or were cancelled, are
-// queued afresh.
+// for a passing reason, for a limit of time or for want of OpenFOAM or Gmsh, were cancelled or are
+// not whole any more, are queued afresh.
 absl::StatusOr<std::vector<FoundTask>> FindOrEnqueue(store::Transaction& transaction,
-                                                     const std::vector<WantedTask>& wanted);
+                                                     const std::vector<WantedTask>& wanted,
+                                                     const IsWhole& is_whole);
 
 // Who waits for which task. Thread safe.
 class TaskWaiters {

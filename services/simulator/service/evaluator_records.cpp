@@ -13,6 +13,7 @@
 #include "common/base/violation_lists.h"
 #include "common/expressions/identifier.h"
 #include "common/resources/resource_tags.h"
+#include "services/simulator/service/design_fields_checks.h"
 #include "services/simulator/service/evaluation_tasks.h"
 
 namespace mortise::simulator {
@@ -108,7 +109,7 @@ absl::Status CheckSpace(const v1::DesignSpace& space, const std::string& field) 
     MORTISE_RETURN_IF_ERROR(
         CheckLength(metric.description(), kMaxDescriptionLength, place + ".description"));
   }
-  return absl::OkStatus();
+  return CheckOffered(space, field);
 }
 
 // The content of an evaluator, as its maker gave it: without what the service adds, and without

@@ -13,9 +13,9 @@ namespace mortise::simulator {
 inline constexpr int kPhysicsVersion = 4;
 
 // Returns the key of an evaluation's task in its queue: of the subject's digest, the exact
-// parameters, the metrics and whether their gradients are wanted, what the request defines, and all
-// settings. Those of our own evaluator depend on the version of its physics, those of others do
-// not.
+// parameters, the metrics and whether their gradients are wanted, what the request defines, what is
+// wanted of shape and fields, and all settings. Those of our own evaluator depend on the version of
+// its physics, those of others do not.
 std::string ResultKey(const v1::Task& task, int physics_version = kPhysicsVersion);
 
 }  // namespace mortise::simulator

@@ -10,7 +10,9 @@
 #include "common/base/logging.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
+#include "common/store/blob_upkeep.h"
 #include "mortise/v1/catalog.grpc.pb.h"
+#include "mortise/v1/simulator.pb.h"
 #include "services/simulator/service/evaluator_records.h"
 #include "services/simulator/service/task_progress.h"
 
@@ -36,6 +38,7 @@ SimulatorCore::SimulatorCore(const rpc::ServiceEnvironment& environment)
 absl::StatusOr<std::shared_ptr<SimulatorCore>> SimulatorCore::Create(
     const rpc::ServiceEnvironment& environment) {
   std::shared_ptr<SimulatorCore> core(new SimulatorCore(environment));
+  MORTISE_ASSIGN_OR_RETURN(core->blobs_, environment.store->Blobs());
   MORTISE_ASSIGN_OR_RETURN(core->catalog_, environment.peers->Channel("catalog"));
   core->templates_ = std::make_unique<TemplateSource>(core->catalog_);
   core->KeepWatching();
@@ -49,6 +52,11 @@ absl::StatusOr<v1::Material> SimulatorCore::GetMaterial(const std::string& name,
   request.set_name(name);
   return rpc::CallUnary<v1::CatalogService::Stub, v1::GetMaterialRequest, v1::Material>(
       *stub, &v1::CatalogService::Stub::GetMaterial, request, origin);
+}
+
+bool SimulatorCore::KeepsFileOf(const v1::EvaluationResult& result) const {
+  if (!result.has_design_fields()) return true;
+  return store::TouchBlob(*blobs_, result.design_fields().sha256()).ok();
 }
 
 rpc::Origin SimulatorCore::OwnOrigin(const std::string& trace_id, absl::Duration timeout) const {
@@ -67,7 +75,11 @@ absl::StatusOr<std::vector<FoundTask>> SimulatorCore::Enqueue(
         MORTISE_RETURN_IF_ERROR(kEvaluators.Get(transaction, queue, "subject").status());
       }
     }
-    MORTISE_ASSIGN_OR_RETURN(found, FindOrEnqueue(transaction, wanted));
+    MORTISE_ASSIGN_OR_RETURN(
+        found, FindOrEnqueue(transaction, wanted, [this](const store::Task& task) {
+          v1::ReportTaskRequest report;
+          return report.ParseFromString(task.result) && KeepsFileOf(report.result());
+        }));
     return absl::OkStatus();
   }));
   const bool has_work =

@@ -13,9 +13,13 @@
 #include "services/simulator/service/leased_task_cache.h"
 #include "services/simulator/worker/template_source.h"
 
-namespace mortise::v1 {
-class Material;
+namespace mortise::store {
+class BlobFolder;
 }
+namespace mortise::v1 {
+class EvaluationResult;
+class Material;
+}  // namespace mortise::v1
 
 namespace mortise::simulator {
 
@@ -34,11 +38,15 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   // Returns a material of the catalog. NOT_FOUND, UNAVAILABLE.
   absl::StatusOr<v1::Material> GetMaterial(const std::string& name, const rpc::Origin& origin);
 
+  // Whether the file of shape and fields that a result names, if it names one, is there; it then
+  // counts as new, and stays for as long as one that has just been uploaded.
+  bool KeepsFileOf(const v1::EvaluationResult& result) const;
+
   // Calls made in the background, as this service.
   rpc::Origin OwnOrigin(const std::string& trace_id, absl::Duration timeout) const;
 
   // Queues tasks or finds them, all in one transaction, and wakes waiting workers. See
-  // FindOrEnqueue.
+  // FindOrEnqueue; results whose file is gone are computed again.
   absl::StatusOr<std::vector<FoundTask>> Enqueue(const std::vector<WantedTask>& wanted);
 
   // Cancels a task that still waits for a worker, unless somebody waits for it.
@@ -78,6 +86,7 @@ class SimulatorCore : public std::enable_shared_from_this<SimulatorCore> {
   void Cancel(const std::string& key, bool even_if_leased);
 
   store::Store* const store_;
+  store::BlobFolder* blobs_ = nullptr;
   rpc::Dispatcher* const dispatcher_;
   const rpc::IdentitySigner* const signer_;
   std::shared_ptr<grpc::Channel> catalog_;

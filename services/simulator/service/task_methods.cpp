@@ -13,6 +13,7 @@
 #include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
+#include "services/simulator/service/design_fields_checks.h"
 #include "services/simulator/service/evaluation_subject.h"
 #include "services/simulator/service/evaluator_records.h"
 #include "services/simulator/service/simulator_core.h"
@@ -114,7 +115,12 @@ class Report {
         key_(std::move(key)),
         queue_(QueueOf(key_)),
         blobs_(blobs),
-        leased_tasks_(leased_tasks) {}
+        leased_tasks_(leased_tasks) {
+    // Before any transaction, as it may take a while.
+    if (IsEvaluatorName(queue_) && asked.result().has_design_fields()) {
+      file_ = ReadReported(blobs_, asked.result().design_fields().sha256());
+    }
+  }
 
   // Becomes the task's end, or its next try; the task as it is then. What cannot be used, numbers
   // that are not finite say, ends the task too: sent again it would be no better, and whoever waits
@@ -165,10 +171,12 @@ class Report {
           InvalidField(absl::StrCat("analysis.artifacts[", i, "].sha256"), "has not been uploaded");
       return absl::OkStatus();
     }
-    if (!IsEvaluatorName(queue_)) return absl::OkStatus();
-    if (const auto leased = leased_tasks_.Find(key_)) {
-      fault_ = CompleteResult(leased->task, leased->evaluator->space(), *report.mutable_result());
+    if (!IsEvaluatorName(queue_)) {
+      fault_ = CheckUploaded(report.result());
       return absl::OkStatus();
+    }
+    if (const auto leased = leased_tasks_.Find(key_)) {
+      return Complete(leased->task, leased->evaluator->space(), report);
     }
     // Another replica leased it, or this one did before it was started again.
     MORTISE_ASSIGN_OR_RETURN(const store::Task stored, transaction.GetTask(queue_, key_));
@@ -178,7 +186,25 @@ class Report {
     }
     MORTISE_ASSIGN_OR_RETURN(const v1::Evaluator evaluator,
                              kEvaluators.Get(transaction, queue_, "task.name"));
-    fault_ = CompleteResult(task, evaluator.space(), *report.mutable_result());
+    return Complete(task, evaluator.space(), report);
+  }
+
+  // Our own workers say themselves what is in their file.
+  absl::Status CheckUploaded(const v1::EvaluationResult& result) {
+    if (!result.has_design_fields()) return absl::OkStatus();
+    if (blobs_.Size(result.design_fields().sha256()).ok()) return absl::OkStatus();
+    return InvalidField("result.design_fields.sha256", "has not been uploaded");
+  }
+
+  // Sets fault_; fails only if the file cannot be read for a reason of the disk's.
+  absl::Status Complete(const v1::Task& task, const v1::DesignSpace& space,
+                        v1::ReportTaskRequest& report) {
+    fault_ = CompleteResult(task, space, *report.mutable_result());
+    if (!fault_.ok()) return absl::OkStatus();
+    const absl::Status completed =
+        CompleteDesignFields(task, space, file_, *report.mutable_result());
+    if (!completed.ok() && !absl::IsInvalidArgument(completed)) return completed;
+    fault_ = completed;
     return absl::OkStatus();
   }
 
@@ -187,6 +213,7 @@ class Report {
   const std::string queue_;
   store::BlobFolder& blobs_;
   LeasedTaskCache& leased_tasks_;
+  absl::StatusOr<ReportedFile> file_ = ReportedFile();  // of a result that names one
   absl::Status fault_;
 };
 

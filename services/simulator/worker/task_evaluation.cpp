@@ -12,8 +12,10 @@
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/analysis/analysis_report.h"
 #include "services/simulator/analysis/design_analysis.h"
+#include "services/simulator/analysis/design_fields.h"
 #include "services/simulator/worker/analysis_codec.h"
 #include "services/simulator/worker/design_conditions.h"
+#include "services/simulator/worker/fields_codec.h"
 #include "services/simulator/worker/mesh_task.h"
 #include "services/simulator/worker/subject_metrics.h"
 #include "services/simulator/worker/template_model.h"
@@ -21,16 +23,20 @@
 namespace mortise::simulator {
 namespace {
 
-// What of a design is computed.
+// What of a design is computed; `options` say what is besides the metrics.
 MetricDemands DemandsOf(const v1::Task& task, const MetricDemands& of_metrics,
+                        const DesignAnalysisOptions& options,
                         const parametric::EvaluatedDesign& design) {
   const bool has_heat = HasHeat(design);
   MetricDemands demands = of_metrics;
+  demands.loads = demands.loads || options.besides.loads;
+  demands.heat = demands.heat || options.besides.heat;
+  demands.surface = demands.surface || options.besides.surface;
   const bool solves_else = has_heat || task.has_airflow();
   demands.loads = demands.loads || (task.fields() && (IsLoaded(design) || !solves_else));
   const bool thermal_stress = demands.loads && has_heat && design.reference_temperature.has_value();
   demands.heat = demands.heat || thermal_stress || (task.fields() && has_heat);
-  demands.modes = demands.modes || task.modes() > 0;
+  demands.modes = demands.modes || options.modes > 0;
   demands.airflow = demands.airflow || (task.fields() && task.has_airflow());
   demands.surface = demands.surface || task.fields();
   return demands;
@@ -38,9 +44,10 @@ MetricDemands DemandsOf(const v1::Task& task, const MetricDemands& of_metrics,
 
 // Geometry, cells and flow of the air, mesh, temperatures, solution and stresses of each load case,
 // frequencies, files.
-int StagesOf(const MetricDemands& demands, const parametric::EvaluatedDesign& design) {
+int StagesOf(const MetricDemands& demands, const DesignAnalysisOptions& options,
+             const parametric::EvaluatedDesign& design) {
   const int load_cases = static_cast<int>(CountLoadCases(design));
-  const bool has_mesh = demands.heat || demands.loads || demands.modes;
+  const bool has_mesh = options.with_mesh || demands.heat || demands.loads || demands.modes;
   return 2 + (demands.airflow ? 2 : 0) + (has_mesh ? 1 : 0) + (demands.heat ? 1 : 0) +
          (demands.loads ? 2 * load_cases : 0) + (demands.modes ? 1 : 0);
 }
@@ -236,6 +243,7 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
   options.airflow_solver.progress = context.progress;
   options.airflow_solver.stop = context.stop;
   options.with_airflow = task.fields() && task.has_airflow();
+  if (task.has_design_fields()) DemandFields(ReadDemand(task.design_fields()), options);
   options.elasticity.solver.progress = [&context](int iteration, double) {
     if (context.progress != nullptr) context.progress->Iterate(iteration);
     return CheckStopped(context.stop);
@@ -267,15 +275,33 @@ absl::Status KeepFiles(const DesignAnalysis& analysis, const DesignModel& model,
   return analysis.vibration ? KeepModes(analysis, title, context) : absl::OkStatus();
 }
 
+// The file of the shape and fields that the task asks for.
+absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analysis,
+                              const DesignModel& model, const TaskContext& context,
+                              v1::ReportTaskRequest& report) {
+  MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
+  Begin(context, "fields");
+  const v1::DesignFieldsRequest& wanted = task.design_fields();
+  MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields design,
+                           CollectFields(model, analysis, ReadDemand(wanted)));
+  const absl::StatusOr<std::string> bytes = fields::WriteFields(design, ReadWriteOptions(wanted));
+  if (!bytes.ok()) return UnderField("design_fields", bytes.status());
+  MORTISE_ASSIGN_OR_RETURN(const std::string sha256, context.upload(*bytes));
+  *report.mutable_result()->mutable_design_fields() = Describe(design, sha256, bytes->size());
+  return absl::OkStatus();
+}
+
 absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
                       v1::ReportTaskRequest& report) {
   MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, context));
   const parametric::EvaluatedDesign& design = subject.design;
   const templates::Template& function = *subject.compiled->design_template;
   const std::vector<std::string> metrics(task.metrics().begin(), task.metrics().end());
-  const MetricDemands demands = DemandsOf(task, simulator::DemandsOf(metrics, subject.own), design);
+  MORTISE_ASSIGN_OR_RETURN(DesignAnalysisOptions options, OptionsOf(task, subject, context));
+  const MetricDemands demands =
+      DemandsOf(task, simulator::DemandsOf(metrics, subject.own), options, design);
   if (context.progress != nullptr) {
-    context.progress->Expect(StagesOf(demands, design));
+    context.progress->Expect(StagesOf(demands, options, design));
   }
   // Before the parts are fused, which takes a while and would fail for every design alike.
   MORTISE_RETURN_IF_ERROR(CheckConditions(task, demands, design));
@@ -283,7 +309,6 @@ absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
                            MakeDesignModel(function, subject.parameters, design,
                                            {demands.surface, task.mesh().element_size()}));
   MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
-  MORTISE_ASSIGN_OR_RETURN(DesignAnalysisOptions options, OptionsOf(task, subject, context));
   DesignMotion motion;
   if (task.gradients()) {
     motion = KnownMotion(function, subject.parameters, design, model);
@@ -295,6 +320,9 @@ absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
   MORTISE_RETURN_IF_ERROR(CheckFinite(*analysis));
   FillMetrics(*analysis, *report.mutable_result());
   if (task.gradients()) FillGradients(*analysis, *report.mutable_result());
+  if (task.has_design_fields()) {
+    MORTISE_RETURN_IF_ERROR(KeepDesignFields(task, *analysis, model, context, report));
+  }
   if (!task.fields()) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
   Begin(context, "files");

@@ -25,6 +25,9 @@ struct TaskContext {
   // Stores a file of the analysis at once; it becomes one of the analysis's artifacts.
   std::function<absl::Status(const AnalysisFile& file)> keep;
 
+  // Stores bytes, and returns their digest.
+  std::function<absl::StatusOr<std::string>(const std::string& bytes)> upload;
+
   // Returns the bytes of an uploaded file; RESOURCE_EXHAUSTED past `limit`.
   std::function<absl::StatusOr<std::string>(const std::string& sha256, double limit)> fetch;
 

@@ -210,6 +210,8 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
         artifact->set_sha256(sha256);
         return absl::OkStatus();
       },
+      .upload =
+          [&](const std::string& bytes) { return Upload(options, stub, task.trace_id(), bytes); },
       .fetch =
           [&](const std::string& sha256, double limit) {
             return Download(options, stub, task.trace_id(), sha256, limit);

@@ -34,6 +34,11 @@ TEST(ResultKey, TellsApartWhateverAResultDependsOn) {
       [](v1::Task& task) { task.mutable_mesh()->set_linear(true); },
       [](v1::Task& task) { task.mutable_mesh()->set_relative_error(0.1); },
       [](v1::Task& task) { task.mutable_airflow()->set_cells(4000); },
+      [](v1::Task& task) { task.mutable_design_fields()->set_geometry(v1::SURFACE); },
+      [](v1::Task& task) { task.mutable_design_fields()->set_geometry(v1::TETRAHEDRA); },
+      [](v1::Task& task) { task.mutable_design_fields()->add_fields("von_mises"); },
+      [](v1::Task& task) { task.mutable_design_fields()->add_regions("von_mises"); },
+      [](v1::Task& task) { task.mutable_design_fields()->set_position_step(1e-5); },
       [](v1::Task& task) {
         auto& own = *task.mutable_metric_definitions()->add_expressions();
         own.set_name("twice");
