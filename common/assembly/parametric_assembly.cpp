@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "common/assembly/model/bores.h"
 #include "common/assembly/model/rest_pose.h"
+#include "common/assembly/relations/loose_elements.h"
 #include "common/assembly/relations/principal_patterns.h"
 #include "common/assembly/trial/design_trial.h"
 #include "common/assembly/trial/drawn_contacts.h"
@@ -19,7 +19,6 @@
 namespace mortise::parametric {
 namespace {
 
-constexpr std::size_t kMaxLooseNamed = 10;
 constexpr double kFixed = 1e-9;  // m; a range no wider is none
 // m. What is reached stays this far inside of what can be while other demands are looked at:
 // rounding must not turn the one into a conflict with the next.
@@ -122,37 +121,6 @@ bool LoosenShares(const std::vector<Element>& elements, const FeasibleSet& feasi
   return !in_vain.empty();
 }
 
-absl::StatusOr<bool> AreBounded(const FeasibleSet& feasible_set,
-                                const std::vector<LinearForm>& forms) {
-  const absl::Status ranges = feasible_set.RangesOf(forms).status();
-  if (DetailOf(ranges).reason == "FEASIBLE_SET_UNBOUNDED") return false;
-  MORTISE_RETURN_IF_ERROR(ranges);
-  return true;
-}
-
-// What elements can do without end: "'lamp' can move along x, z".
-absl::StatusOr<std::vector<std::string>> LooseElements(const std::vector<Element>& elements,
-                                                       const FeasibleSet& feasible_set) {
-  std::vector<std::string> loose;
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    std::vector<std::string> moves, grows;
-    for (const Axis axis : kAxes) {
-      const LinearForm center = LinearForm::Variable(CenterVariable(static_cast<int>(e), axis));
-      const LinearForm size = LinearForm::Variable(SizeVariable(static_cast<int>(e), axis));
-      MORTISE_ASSIGN_OR_RETURN(const bool holds, AreBounded(feasible_set, {center, size}));
-      if (holds) continue;
-      MORTISE_ASSIGN_OR_RETURN(const bool is_sized, AreBounded(feasible_set, {size}));
-      (is_sized ? moves : grows).push_back(AxisName(axis));
-    }
-    std::vector<std::string> changes;
-    if (!moves.empty()) changes.push_back("move along " + absl::StrJoin(moves, ", "));
-    if (!grows.empty()) changes.push_back("grow along " + absl::StrJoin(grows, ", "));
-    if (changes.empty()) continue;
-    loose.push_back(absl::StrCat("'", elements[e].name, "' can ", absl::StrJoin(changes, " and ")));
-  }
-  return loose;
-}
-
 }  // namespace
 
 const char* MeasureKindName(MeasureKind kind) {
@@ -171,12 +139,12 @@ const char* MeasureKindName(MeasureKind kind) {
 
 absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
     Assembly assembly, const std::function<bool()>& is_given_up,
-    const std::vector<const ParametricAssembly*>& known) {
+    const std::vector<const ParametricAssembly*>& known, LoosePolicy loose) {
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = ToleranceOf(made.assembly_);
   EqualitySolver solver = SolverOf(known);
-  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, solver));
+  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, loose, solver));
   made.solved_systems_ = solver.solved();
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
@@ -189,7 +157,7 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
 }
 
 absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up,
-                                                      EqualitySolver& solver) {
+                                                      LoosePolicy loose, EqualitySolver& solver) {
   MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly_, tolerance_));
   PatternLosses pattern_losses;
   RepairPlan repair_plan;
@@ -205,7 +173,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
     MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
                              FindFeasibleSet(touching, known, {pattern_losses, repair_plan.lone},
-                                             repair_plan.known_conflicts, solver));
+                                             repair_plan.known_conflicts, loose, solver));
     if (LoosenShares(elements_, *feasible_set_, fits, repair_plan.known_conflicts)) continue;
     MORTISE_ASSIGN_OR_RETURN(const PatternLosses lost,
                              FindPatternLosses(assembly_, elements_, *feasible_set_, tolerance_));
@@ -222,11 +190,9 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   }
 }
 
-absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingParts& touching,
-                                                              ShapeFeatures& known,
-                                                              const PatternExclusions& exclusions,
-                                                              const KnownConflicts& known_conflicts,
-                                                              EqualitySolver& solver) {
+absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(
+    const TouchingParts& touching, ShapeFeatures& known, const PatternExclusions& exclusions,
+    const KnownConflicts& known_conflicts, LoosePolicy loose, EqualitySolver& solver) {
   elements_ = MakeElements(assembly_, tolerance_, exclusions, known);
   contacts_ = ContactsOf(touching, assembly_, elements_);
   FollowPrincipalPatterns(elements_, contacts_, tolerance_);
@@ -244,35 +210,23 @@ absl::StatusOr<FitCounts> ParametricAssembly::FindFeasibleSet(const TouchingPart
     still.group = kAboveRoot;
     anchored.push_back(std::move(still));
   }
-  MORTISE_ASSIGN_OR_RETURN(
-      feasible_set_,
-      FeasibleSet::Create(std::move(anchored), DrawnParameters(assembly_, elements_),
-                          VariablesWithin(assembly_, elements_, 0), ParentsOf(assembly_), &solver));
-  MORTISE_RETURN_IF_ERROR(CheckBounded());
+  MORTISE_RETURN_IF_ERROR(Solve(std::move(anchored), loose, solver));
   return held.fits;
 }
 
-absl::Status ParametricAssembly::CheckBounded() const {
-  MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
-  if (!free) return absl::OkStatus();
-  MORTISE_ASSIGN_OR_RETURN(std::vector<std::string> loose,
-                           LooseElements(elements_, *feasible_set_));
-  if (loose.empty()) {
-    for (const Joint& joint : assembly_.joints) {
-      loose.push_back(absl::StrCat("the centre of '", joint.name, "' can move"));
-    }
+absl::Status ParametricAssembly::Solve(std::vector<Relationship> anchored, LoosePolicy loose,
+                                       EqualitySolver& solver) {
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(feasible_set_,
+                             FeasibleSet::Create(anchored, DrawnParameters(assembly_, elements_),
+                                                 VariablesWithin(assembly_, elements_, 0),
+                                                 ParentsOf(assembly_), &solver));
+    if (loose == LoosePolicy::kRefuse) return CheckBounded(assembly_, elements_, *feasible_set_);
+    MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
+    if (!free) return absl::OkStatus();
+    relationships_.push_back(HoldWhatMoves(assembly_, elements_, *free));
+    anchored.push_back(relationships_.back());
   }
-  std::string more;
-  if (loose.size() > kMaxLooseNamed) {
-    more = absl::StrCat(" and ", loose.size() - kMaxLooseNamed, " more");
-    loose.resize(kMaxLooseNamed);
-  }
-  const bool is_one = loose.size() == 1;
-  return PreconditionFailed(
-      "FEASIBLE_SET_UNBOUNDED",
-      absl::StrCat(absl::StrJoin(loose, "; "), more, " without end: nothing that ",
-                   is_one ? "it touches" : "they touch", ", and no item, holds ",
-                   is_one ? "it" : "them"));
 }
 
 absl::StatusOr<int> ParametricAssembly::DegreesOfFreedom(int group) const {

@@ -64,6 +64,13 @@ enum class DemandPolicy {
   kStrict,   // refuse, and say what cannot hold together
 };
 
+// What to do with elements that could move or grow without end.
+enum class LoosePolicy {
+  kRefuse,  // an expert's design must be held together
+  kHold,    // let them keep their distance, as drawn, from the nearest that is held: pieces of a
+            // design whose neighbours are gone lie as they lay (loose_elements.h)
+};
+
 struct Adjustment {
   Eigen::VectorXd q;            // feasible
   std::vector<double> reached;  // m, of each demand
@@ -78,8 +85,9 @@ class ParametricAssembly {
   // is held on the floor, the first where it is drawn along x and y. Patterns end before parts that
   // they might lose (pattern_losses.h), and what designs that are tried show to be at fault is
   // mended (design_trial.h); each takes another round. FAILED_PRECONDITION as FeasibleSet::Create,
-  // or FEASIBLE_SET_UNBOUNDED naming an element that could move or grow without end. CANCELLED soon
-  // after `is_given_up`, which is asked before each round and each design that is tried.
+  // or by LoosePolicy::kRefuse FEASIBLE_SET_UNBOUNDED naming elements that could move or grow
+  // without end. CANCELLED soon after `is_given_up`, which is asked before each round and each
+  // design that is tried.
   //
   // What is made of `known`, assemblies that were parametrised before, such as the body of a model
   // and the component that comes to it, is not made anew where it is the same: systems of
@@ -87,7 +95,8 @@ class ParametricAssembly {
   // without them, to the bit. Nothing refers to them afterwards.
   static absl::StatusOr<ParametricAssembly> Create(
       Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; },
-      const std::vector<const ParametricAssembly*>& known = {});
+      const std::vector<const ParametricAssembly*>& known = {},
+      LoosePolicy loose = LoosePolicy::kRefuse);
 
   const Assembly& assembly() const { return assembly_; }
   double tolerance() const { return tolerance_; }  // m: a millionth of the design's diagonal
@@ -187,14 +196,15 @@ class ParametricAssembly {
   ParametricAssembly() = default;
   // Makes the feasible set anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
-  absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up,
+  absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up, LoosePolicy loose,
                                     EqualitySolver& solver);
   // Makes everything up to the feasible set, and returns how many things fit into each element.
   absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
                                             const PatternExclusions& exclusions,
                                             const KnownConflicts& known_conflicts,
-                                            EqualitySolver& solver);
-  absl::Status CheckBounded() const;
+                                            LoosePolicy loose, EqualitySolver& solver);
+  // Solves the relationships and the anchors; what is held besides comes to the relationships.
+  absl::Status Solve(std::vector<Relationship> anchored, LoosePolicy loose, EqualitySolver& solver);
   absl::StatusOr<LinearForm> FormOf(const Measure& measure, const std::string& field) const;
   absl::StatusOr<std::vector<Demand>> FormsOf(const std::vector<MeasureDemand>& demands) const;
   absl::StatusOr<Eigen::VectorXd> NearestKeepingSizes(const Eigen::VectorXd& from,

@@ -166,12 +166,12 @@ absl::StatusOr<std::vector<MeasureDemand>> FromProto(
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle, const std::function<bool()>& is_given_up,
     const std::string& group) {
-  return ParametrizeKnowing({}, bundle, is_given_up, group);
+  return ParametrizeKnowing({}, bundle, is_given_up, group, LoosePolicy::kRefuse);
 }
 
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
     const std::vector<const ParametricAssembly*>& known, const v1::AssemblyBundle& bundle,
-    const std::function<bool()>& is_given_up, const std::string& group) {
+    const std::function<bool()>& is_given_up, const std::string& group, LoosePolicy loose) {
   std::vector<Item> items;
   for (const v1::Item& message : bundle.items()) {
     MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
@@ -182,8 +182,9 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
   if (!group.empty()) {
     MORTISE_ASSIGN_OR_RETURN(assembly, SubTreeOf(assembly, group));
   }
-  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly parametrized,
-                           ParametricAssembly::Create(std::move(assembly), is_given_up, known));
+  MORTISE_ASSIGN_OR_RETURN(
+      ParametricAssembly parametrized,
+      ParametricAssembly::Create(std::move(assembly), is_given_up, known, loose));
   return std::make_shared<const ParametricAssembly>(std::move(parametrized));
 }
 

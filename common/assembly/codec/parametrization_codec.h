@@ -33,10 +33,11 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle,
     const std::function<bool()>& is_given_up = [] { return false; }, const std::string& group = "");
 
-// Does the same; what is `known` need not be found again, and changes nothing else.
+// Does the same; what is `known` need not be found again, and changes nothing else. `loose` says
+// what becomes of elements that nothing holds.
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
     const std::vector<const ParametricAssembly*>& known, const v1::AssemblyBundle& bundle,
-    const std::function<bool()>& is_given_up, const std::string& group);
+    const std::function<bool()>& is_given_up, const std::string& group, LoosePolicy loose);
 
 // Everything but the name and revision. Fails as ParametricAssembly::DegreesOfFreedom does.
 absl::StatusOr<v1::Parametrization> ToProto(const ParametricAssembly& assembly);

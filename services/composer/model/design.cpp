@@ -91,9 +91,9 @@ void KeepLimits(AssemblyPart& part) {
 
 absl::StatusOr<Design> AsDrawn(parametric::Assembly assembly,
                                const std::vector<const ParametricAssembly*>& known) {
-  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly made,
-                           ParametricAssembly::Create(
-                               std::move(assembly), [] { return false; }, known));
+  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly made, ParametricAssembly::Create(
+                                                        std::move(assembly), [] { return false; },
+                                                        known, parametric::LoosePolicy::kHold));
   auto shared = std::make_shared<const ParametricAssembly>(std::move(made));
   Eigen::VectorXd drawn = shared->drawn();
   return Design{std::move(shared), std::move(drawn)};

@@ -23,8 +23,10 @@ struct Design {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which all of it is moved in space
 };
 
-// Parametrises a valid assembly, and returns it as it is drawn. What is `known` need not be found
-// again, and changes nothing else. Fails as ParametricAssembly::Create.
+// Parametrises a valid assembly, and returns it as it is drawn. What nothing holds, as slats whose
+// rails stayed behind, keeps its distance from what lies nearest (LoosePolicy::kHold): it can be
+// dropped, and dragged as far as the rest of its relationships allow. What is `known` need not be
+// found again, and changes nothing else. Fails as ParametricAssembly::Create.
 absl::StatusOr<Design> AsDrawn(
     parametric::Assembly assembly,
     const std::vector<const parametric::ParametricAssembly*>& known = {});

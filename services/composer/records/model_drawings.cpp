@@ -68,7 +68,8 @@ absl::StatusOr<std::shared_ptr<const parametric::ParametricAssembly>> ModelDrawi
   using Made = SingleFlightCache<std::shared_ptr<const parametric::ParametricAssembly>>::Made;
   return parametrised_.Get(absl::StrCat(drawing.digest, "/", group), [&]() -> absl::StatusOr<Made> {
     MORTISE_ASSIGN_OR_RETURN(
-        auto made, parametric::ParametrizeKnowing(known, drawing.bundle, is_given_up, group));
+        auto made, parametric::ParametrizeKnowing(known, drawing.bundle, is_given_up, group,
+                                                  parametric::LoosePolicy::kHold));
     const std::size_t bytes = parametric::MemoryUse(*made);
     return Made{std::move(made), bytes};
   });

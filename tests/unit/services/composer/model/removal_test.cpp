@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "tests/support/status_assertions.h"
@@ -40,6 +42,28 @@ TEST(RemovalTest, ItIsTakenOutOfTheDesignAsItIsNow) {
     if (part.name == "top") {
       EXPECT_NEAR(part.box.size().x(), 1.2, 1e-9);
     }
+  }
+}
+
+// The planks of a bench of which the bearers go.
+TEST(RemovalTest, WhatNothingHoldsAnyMoreStaysWhereItIs) {
+  for (const auto& [id, node, loose] :
+       {std::tuple("coat_rack", "board", "bracket 1"),
+        std::tuple("coat_rack", "hat shelf", "bracket 2"),
+        std::tuple("picnic_table", "front bench plank 1", "front bench plank 3")}) {
+    SCOPED_TRACE(id);
+    const Design whole = AsDrawn(parametric::ReadShippedAssembly(id).value()).value();
+    const std::vector<parametric::PlacedPart> before = PartsOf(whole);
+    ASSERT_OK_AND_ASSIGN(const parametric::Assembly left, WithoutNode(whole, node));
+    ASSERT_OK_AND_ASSIGN(const Design model, AsDrawn(left));
+    ASSERT_OK_AND_ASSIGN(const auto open, model.assembly->feasible_set().UnboundedDirection());
+    EXPECT_FALSE(open.has_value());
+    const auto place_in = [&](const std::vector<parametric::PlacedPart>& parts) {
+      const auto found = std::find_if(parts.begin(), parts.end(),
+                                      [&](const auto& part) { return part.name == loose; });
+      return found == parts.end() ? Eigen::Vector3d::Zero().eval() : found->box.center();
+    };
+    EXPECT_LT((place_in(PartsOf(model)) - place_in(before)).norm(), 1e-9);
   }
 }
 

@@ -8,7 +8,9 @@
 namespace mortise::composer {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr int kScripts = 30;
 
@@ -18,6 +20,9 @@ TEST(RandomScriptTest, LeavesAModelThatCanBeBuiltAfterEveryStep) {
     ScriptOutcome outcome = RunRandomScript({.seed = seed, .steps = 12, .most_parts = 130});
     EXPECT_THAT(outcome.violations, IsEmpty()) << "seed " << seed << ":\n"
                                                << absl::StrJoin(outcome.steps, "\n");
+    for (const auto& [refused, count] : outcome.refused) {
+      EXPECT_THAT(refused, Not(HasSubstr("FEASIBLE_SET_UNBOUNDED"))) << "seed " << seed;
+    }
     connected += outcome.done["connect"];
     dragged += outcome.done["drag"];
     held += outcome.made_connections;
