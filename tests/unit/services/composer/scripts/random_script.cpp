@@ -35,6 +35,7 @@ struct LoosePiece {
 
 struct State {
   std::optional<Design> body;
+  ShippedOrigins parts, joints;  // of the body
   std::vector<LoosePiece> loose;
   std::set<std::string> excused;  // elements that need no connection: warned of, or drawn without
 };
@@ -66,7 +67,11 @@ class Script {
 
   ScriptOutcome Run() {
     for (int step = 0; step < options_.steps; ++step) TakeStep();
-    if (Present().body) outcome_.parts = PartsOf(*Present().body).size();
+    const State& end = Present();
+    if (end.body) {
+      outcome_.parts = PartsOf(*end.body).size();
+      outcome_.body = ComposedBody{*end.body, end.parts, end.joints};
+    }
     return std::move(outcome_);
   }
 
@@ -188,6 +193,8 @@ class Script {
          if (parts > most)
            return PreconditionFailed("TOO_MANY_PARTS", "the model would be too large");
          if (!state.body) {
+           next.parts = OriginsIn(piece.assembly->assembly().parts, id);
+           next.joints = OriginsIn(piece.assembly->assembly().joints, id);
            next.body = std::move(piece);
            for (const std::string& each : Unconnected(*next.body)) next.excused.insert(each);
          } else {
@@ -249,6 +256,9 @@ class Script {
                             AllShippedConnections(), ShippedOptions()));
       CheckConnected(made);
       TakeNames(made, piece.design, &next);
+      const parametric::Assembly& merged = made.model.assembly->assembly();
+      next.parts = OriginsOf(merged.parts, made.parts, state.parts, piece.from);
+      next.joints = OriginsOf(merged.joints, made.joints, state.joints, piece.from);
       next.body = std::move(made.model);
       next.loose.erase(next.loose.begin() + static_cast<std::ptrdiff_t>(i));
       return next;
@@ -317,6 +327,8 @@ class Script {
       if (node.empty()) return InvalidField("node", "is empty");
       State next = state;
       MORTISE_ASSIGN_OR_RETURN(parametric::Assembly rest, WithoutNode(*state.body, node));
+      MORTISE_ASSIGN_OR_RETURN(const Redrawn redrawn, Redraw(*state.body));
+      next.parts = OriginsOf(redrawn, state.parts);
       MORTISE_ASSIGN_OR_RETURN(next.body, AsDrawn(std::move(rest)));
       for (const std::string& each : Unconnected(*next.body)) {
         outcome_.left_unheld += next.excused.insert(each).second ? 1 : 0;

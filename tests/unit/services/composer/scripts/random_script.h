@@ -5,8 +5,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "tests/unit/services/composer/scripts/shipped_origins.h"
 
 namespace mortise::composer {
 
@@ -22,7 +25,8 @@ struct ScriptOutcome {
   std::map<std::string, int> refused;     // how often by command and reason
   std::map<std::string, double> seconds;  // by command
   std::vector<std::string> violations;    // what was not true; empty if nothing
-  std::size_t parts = 0;                  // of the model at the end
+  std::optional<ComposedBody> body;       // of the model at the end
+  std::size_t parts = 0;                  // of it
   int made_connections = 0;               // with connecting parts
   int left_unheld = 0;  // parts that removing others left in no connection; nothing warns of them
 };
