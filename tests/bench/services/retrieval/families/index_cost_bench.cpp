@@ -101,7 +101,11 @@ void CoverFamily(const TemplatePointer& function, Cost* cost) {
     const auto cover = CoverByInterpolation(**manifold, FamilyCoverOptions(delta, *function));
     const double seconds = ProcessorSeconds() - begin;
     cost->seconds[name] += seconds;
-    if (!cover.ok()) continue;
+    if (!cover.ok()) {
+      std::printf("%s, %s: %s\n", function->head().title.c_str(), name.c_str(),
+                  std::string(cover.status().message()).c_str());
+      continue;
+    }
     cost->evaluations += cover->evaluations;
     cost->incomplete += cover->end == CoverEnd::kCovered ? 0 : 1;
     cost->error = std::max(cost->error, cover->interpolation_error / delta);
