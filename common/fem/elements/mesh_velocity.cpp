@@ -7,40 +7,12 @@
 #include "common/fem/elements/material.h"
 #include "common/fem/elements/stiffness.h"
 #include "common/fem/linear/sparse_cholesky.h"
+#include "common/mesh/corner_mesh.h"
 
 namespace mortise::simulator {
 namespace {
 
 constexpr double kAgreement = 1e-6;  // of the largest velocity
-
-// The corners of a mesh and its linear elements.
-struct CornerMesh {
-  mesh::TetrahedralMesh mesh;
-  std::vector<int> corner_of;  // nodes: index among the corners, or -1
-};
-
-CornerMesh CornersOf(const mesh::TetrahedralMesh& mesh) {
-  CornerMesh corners;
-  corners.corner_of.assign(static_cast<std::size_t>(mesh.nodes.cols()), -1);
-  corners.mesh.tetrahedra.resize(4, mesh.tetrahedra.cols());
-  corners.mesh.nodes.resize(3, mesh.nodes.cols());
-  corners.mesh.part = Eigen::VectorXi::Zero(mesh.tetrahedra.cols());
-  corners.mesh.part_names = {"body"};
-  int count = 0;
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    for (int k = 0; k < 4; ++k) {
-      const int node = mesh.tetrahedra(k, e);
-      int& corner = corners.corner_of[static_cast<std::size_t>(node)];
-      if (corner < 0) {
-        corner = count++;
-        corners.mesh.nodes.col(corner) = mesh.nodes.col(node);
-      }
-      corners.mesh.tetrahedra(k, e) = corner;
-    }
-  }
-  corners.mesh.nodes.conservativeResize(Eigen::NoChange, count);
-  return corners;
-}
 
 // What the faces prescribe at the corners.
 struct Prescribed {
@@ -50,7 +22,7 @@ struct Prescribed {
 
 class Prescription {
  public:
-  Prescription(const CornerMesh& corners, int parameters) : corners_(corners) {
+  Prescription(const mesh::CornerMesh& corners, int parameters) : corners_(corners) {
     const Eigen::Index count = corners.mesh.nodes.cols();
     prescribed_.is_fixed = Eigen::Array3Xi::Zero(3, count);
     prescribed_.velocities.assign(static_cast<std::size_t>(parameters),
@@ -82,7 +54,7 @@ class Prescription {
   const Prescribed& prescribed() const { return prescribed_; }
 
  private:
-  const CornerMesh& corners_;
+  const mesh::CornerMesh& corners_;
   Prescribed prescribed_;
 };
 
@@ -118,32 +90,12 @@ absl::Status Prescribe(const mesh::TetrahedralMesh& mesh, const std::vector<Face
   return absl::OkStatus();
 }
 
-Eigen::Matrix3Xd AtAllNodes(const mesh::TetrahedralMesh& mesh, const CornerMesh& corners,
-                            const Eigen::Matrix3Xd& at_corners) {
-  static constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  Eigen::Matrix3Xd velocities = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node) {
-    const int corner = corners.corner_of[static_cast<std::size_t>(node)];
-    if (corner >= 0) velocities.col(node) = at_corners.col(corner);
-  }
-  if (!mesh.IsQuadratic()) return velocities;
-  for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
-    for (int k = 0; k < 6; ++k) {
-      velocities.col(mesh.tetrahedra(4 + k, e)) =
-          (velocities.col(mesh.tetrahedra(kEdges[k][0], e)) +
-           velocities.col(mesh.tetrahedra(kEdges[k][1], e))) /
-          2;
-    }
-  }
-  return velocities;
-}
-
 }  // namespace
 
 absl::StatusOr<std::vector<Eigen::Matrix3Xd>> NodeVelocities(const mesh::TetrahedralMesh& mesh,
                                                              const std::vector<FaceMotion>& motions,
                                                              int parameters, double memory_limit) {
-  const CornerMesh corners = CornersOf(mesh);
+  const mesh::CornerMesh corners = mesh::CornersOf(mesh);
   Prescription prescription(corners, parameters);
   MORTISE_RETURN_IF_ERROR(Prescribe(mesh, motions, prescription));
   const Prescribed& prescribed = prescription.prescribed();
@@ -166,7 +118,8 @@ absl::StatusOr<std::vector<Eigen::Matrix3Xd>> NodeVelocities(const mesh::Tetrahe
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3Xd> free, factor.SolveAll(forces));
     for (std::size_t k = 0; k < velocities.size(); ++k) velocities[k] += free[k];
   }
-  for (Eigen::Matrix3Xd& velocity : velocities) velocity = AtAllNodes(mesh, corners, velocity);
+  for (Eigen::Matrix3Xd& velocity : velocities)
+    velocity = mesh::AtAllNodes(mesh, corners, velocity);
   return velocities;
 }
 
