@@ -1,0 +1,45 @@
+// Moves the nodes inside a tetrahedral mesh when its surface takes another shape (thesis §6.6.2,
+// interior mapping).
+//
+// The nodes follow as those of a linear-elastic body whose surface is displaced. Elasticity rather
+// than a harmonic map is used, as it resists the shear that turns elements over, and the solver is
+// there. Where elements turn over, the body is solved again with small elements stiffer (Stein,
+// Tezduyar and Benney, Mesh moving techniques, 2003), then in steps, each on the shape before; and
+// what is still turned over then is untangled node by node (untangling.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/mesh/tetrahedral_mesh.h"
+
+namespace mortise::interpolator {
+
+struct VolumeMapOptions {
+  double memory_limit = 8e9;  // bytes, of the solver
+  int threads = 1;            // the result is the same for any number
+};
+
+struct VolumeMap {
+  Eigen::Matrix3Xd nodes;     // 3 × N, m; middles of edges of quadratic elements are halfway
+  int solves = 0;             // of the elastic body
+  int inverted_at_first = 0;  // elements that the first solution turned over
+  int untangled = 0;          // elements that only moving single nodes turned back
+  std::vector<int> inverted;  // elements that are still turned over or flat
+};
+
+// Returns the nodes of `mesh` when node outer[i] is at positions.col(i). `outer`: all corners on
+// the surface of the mesh. An element counts as turned over where its volume is not positive beyond
+// rounding. INVALID_ARGUMENT naming "mesh" if an element is turned over before, "outer" or
+// "positions" if these are no nodes of the mesh, not as many, not finite, or a corner on the
+// surface is missing. RESOURCE_EXHAUSTED, and FAILED_PRECONDITION as the linear solver's.
+absl::StatusOr<VolumeMap> MapVolume(const mesh::TetrahedralMesh& mesh,
+                                    const std::vector<int>& outer,
+                                    const Eigen::Matrix3Xd& positions,
+                                    const VolumeMapOptions& options = {});
+
+// Returns the elements that are turned over or flat with nodes at these places. Only corners count.
+std::vector<int> InvertedElements(const mesh::TetrahedralMesh& mesh, const Eigen::Matrix3Xd& nodes);
+
+}  // namespace mortise::interpolator
