@@ -1,9 +1,9 @@
 #include "services/composer/snapping/snap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -15,9 +15,11 @@
 #include "services/composer/model/overlap.h"
 #include "services/composer/model/placed_forms.h"
 #include "services/composer/snapping/alignment_search.h"
+#include "services/composer/snapping/clearance.h"
 #include "services/composer/snapping/original_constraints.h"
 #include "services/composer/snapping/plane.h"
 #include "services/composer/snapping/posed_planes.h"
+#include "services/composer/snapping/target_planes.h"
 
 namespace mortise::composer {
 namespace {
@@ -56,13 +58,6 @@ class IndependentForms {
   const FeasibleSet& set_;
   std::vector<Eigen::VectorXd> frame_;
 };
-
-// How far two boxes are apart across the two other axes, m.
-double ApartAcross(const BoundingBox& a, const BoundingBox& b, Axis axis) {
-  Eigen::Vector3d gaps = (a.minimum - b.maximum).cwiseMax(b.minimum - a.maximum).cwiseMax(0);
-  gaps[static_cast<int>(axis)] = 0;
-  return gaps.norm();
-}
 
 BoundingBox BoundsAround(const std::vector<PrincipalPart>& parts) {
   BoundingBox bounds = parts.front().box;
@@ -103,12 +98,9 @@ class Snapper {
         wish_(InSpace(component)),
         q_(wish_),
         tolerance_(std::max(body.assembly->tolerance(), component.assembly->tolerance())),
-        bounds_(BoundsAround(parts_)) {
-    for (const parametric::PlacedPart& part : PartsOf(body)) {
-      if (body.assembly->elements()[static_cast<std::size_t>(part.element)].connecting) continue;
-      body_solids_.emplace_back(part.name, part.box, body.assembly->ShapeOf(part), part.stretch);
-    }
-  }
+        bounds_(BoundsAround(parts_)),
+        targets_({parts_, planes_}, {body_parts_, body_planes_}, options, tolerance_),
+        clearance_(component, original, body) {}
 
   absl::StatusOr<Snapped> Snap() {
     MORTISE_RETURN_IF_ERROR(CheckNear());
@@ -134,139 +126,171 @@ class Snapper {
                                  " m from the model: there is nothing near to align it with"));
   }
 
-  // A plane of the body that one of the component may be aligned with.
-  struct Target {
-    const DesignPlane* plane = nullptr;
-    double place = 0;      // m, where the component's plane then lies
-    double distance = 0;   // m, from where it lies now
-    bool is_near = false;  // its part is in reach across the plane
-  };
-
-  static bool IsOfKind(const DesignPlane& plane, const OutsidePlane& kind) {
-    if (kind.side == PlaneSide::kNone) {
-      return plane.side == PlaneSide::kNone && plane.name == kind.prominent;
-    }
-    return plane.part >= 0 && plane.side == kind.side;
+  const DesignPlane& PlaneOf(const OriginalConstraint& constraint) const {
+    return planes_[static_cast<std::size_t>(constraint.plane)];
   }
 
-  // The planes of one kind; only those that are as broad, if there are any.
-  std::vector<Target> TargetsOf(const DesignPlane& plane, const OutsidePlane& kind) const {
-    const double furthest = std::max(options_.furthest, plane.extent / 2);
-    std::vector<Target> all, as_broad;
-    for (const DesignPlane& other : body_planes_) {
-      if (other.axis != plane.axis || !IsOfKind(other, kind)) continue;
-      const double place = other.now + kind.offset;
-      const Target target{&other, place, std::abs(place - plane.now),
-                          AcrossOf(plane, other) <= options_.reach};
-      if (target.distance > furthest) continue;
-      all.push_back(target);
-      if (other.is_broad == kind.is_broad) as_broad.push_back(target);
-    }
-    return as_broad.empty() ? all : as_broad;
-  }
-
-  // The K nearest planes that a constraint of the original may be met by, each at another place.
-  std::vector<Target> TargetsOf(const OriginalConstraint& constraint, int most) const {
-    const DesignPlane& plane = planes_[static_cast<std::size_t>(constraint.plane)];
-    std::vector<Target> targets;
-    for (const OutsidePlane& kind : constraint.outside) {
-      for (const Target& target : TargetsOf(plane, kind)) targets.push_back(target);
-    }
-    const bool any_near = std::any_of(targets.begin(), targets.end(),
-                                      [](const Target& target) { return target.is_near; });
-    if (constraint.is_contact && any_near) {
-      std::erase_if(targets, [](const Target& target) { return !target.is_near; });
-    }
-    if (constraint.covers) KeepOrder(plane, targets);
-    std::stable_sort(targets.begin(), targets.end(),
-                     [](const Target& a, const Target& b) { return a.distance < b.distance; });
-    std::vector<Target> nearest;
-    for (const Target& target : targets) {
-      if (static_cast<int>(nearest.size()) == most) break;
-      const bool is_known = std::any_of(nearest.begin(), nearest.end(), [&](const Target& known) {
-        return std::abs(known.place - target.place) <= tolerance_;
-      });
-      if (!is_known) nearest.push_back(target);
-    }
-    return nearest;
-  }
-
-  // Finds what of the body each part of the component would come to lie against: the parts whose
-  // faces are the nearest of those that the original's contacts may be met by.
-  void FindAgainst(const std::vector<OriginalConstraint>& constraints) {
-    for (const OriginalConstraint& one : constraints) {
-      const DesignPlane& plane = planes_[static_cast<std::size_t>(one.plane)];
-      if (!one.is_contact || plane.part < 0) continue;
-      const std::vector<Target> nearest = TargetsOf(one, 1);
-      if (nearest.empty()) continue;
-      for (const OutsidePlane& kind : one.outside) {
-        for (const Target& target : TargetsOf(plane, kind)) {
-          const bool is_there = std::abs(target.place - nearest.front().place) <= tolerance_;
-          if (!is_there || target.plane->part < 0) continue;
-          against_[plane.part].insert(static_cast<std::size_t>(target.plane->part));
-        }
-      }
-    }
-  }
-
-  // What lay against the component's part ended at its plane or before it. So it does where nothing
-  // that it comes to lie against reaches from one side of the plane to the other, if there are such
-  // targets.
-  void KeepOrder(const DesignPlane& plane, std::vector<Target>& targets) const {
-    const auto against = against_.find(plane.part);
-    if (against == against_.end()) return;
-    const auto sticks_out = [&](const Target& target) {
-      return std::any_of(against->second.begin(), against->second.end(), [&](std::size_t part) {
-        return ReachesAcross(body_parts_[part].box, plane.axis, target.place, tolerance_);
-      });
-    };
-    if (std::all_of(targets.begin(), targets.end(), sticks_out)) return;
-    std::erase_if(targets, sticks_out);
-  }
-
+  // Contacts that are given up make room for constraints that they implied.
   absl::Status UseOriginal() {
-    std::vector<OriginalConstraint> constraints;
-    IndependentForms independent(set_.feasible());
-    std::vector<OriginalConstraint> found =
+    std::vector<OriginalConstraint> left =
         FindOriginalConstraints(*original_, parts_, planes_, options_.reach);
-    FindAgainst(found);
-    for (OriginalConstraint& one : found) {
-      const LinearForm& form = planes_[static_cast<std::size_t>(one.plane)].position;
-      if (!independent.IsFree(form) || TargetsOf(one, 1).empty()) continue;
-      independent.Keep(form);
-      constraints.push_back(std::move(one));
-    }
-    while (!constraints.empty()) {
-      const auto count = static_cast<double>(constraints.size());
-      const int most = std::clamp(static_cast<int>(std::pow(options_.combinations, 1 / count)), 1,
-                                  options_.planes);
-      MORTISE_ASSIGN_OR_RETURN(const bool met, Choose(constraints, most));
-      if (met) return absl::OkStatus();
-      constraints.pop_back();
+    targets_.FindAgainst(left);
+    while (!left.empty()) {
+      const std::vector<OriginalConstraint> constraints = IndependentOf(left);
+      MORTISE_ASSIGN_OR_RETURN(const std::set<int> given_up, Choose(constraints));
+      if (given_up.empty()) return absl::OkStatus();
+      std::erase_if(left, [&](const auto& one) { return given_up.contains(one.plane); });
     }
     return absl::OkStatus();
   }
 
-  absl::StatusOr<bool> Choose(const std::vector<OriginalConstraint>& constraints, int most) {
+  // Those that there are planes for, without those that others before them imply.
+  std::vector<OriginalConstraint> IndependentOf(
+      const std::vector<OriginalConstraint>& constraints) const {
+    std::vector<OriginalConstraint> kept;
+    IndependentForms independent(set_.feasible());
+    for (const OriginalConstraint& one : constraints) {
+      const LinearForm& form = PlaneOf(one).position;
+      if (!independent.IsFree(form) || targets_.Of(one, 1).empty()) continue;
+      independent.Keep(form);
+      kept.push_back(one);
+    }
+    return kept;
+  }
+
+  // Finds the combination of planes, and holds what it aligns. Returns the planes of contacts that
+  // had to be given up; then nothing is held.
+  absl::StatusOr<std::set<int>> Choose(const std::vector<OriginalConstraint>& constraints) {
+    const auto count = static_cast<double>(std::max<std::size_t>(constraints.size(), 1));
+    const int most = std::clamp(static_cast<int>(std::pow(options_.combinations, 1 / count)), 1,
+                                options_.planes);
     std::vector<ChoiceOfPlanes> choices;
     std::vector<std::vector<Target>> targets;
     for (const OriginalConstraint& one : constraints) {
-      targets.push_back(TargetsOf(one, most));
+      targets.push_back(targets_.Of(one, most));
       ChoiceOfPlanes& choice = choices.emplace_back();
-      choice.form = planes_[static_cast<std::size_t>(one.plane)].position;
+      choice.form = PlaneOf(one).position;
       for (const Target& target : targets.back()) choice.values.push_back(target.place);
+      choice.worth = std::numeric_limits<double>::infinity();
+      if (one.is_contact) continue;
+      MORTISE_ASSIGN_OR_RETURN(choice.worth, StretchCost(PlaneOf(one).axis));
     }
+    Eigen::VectorXd chosen_q = wish_;
+    const auto is_admissible = [&](const std::vector<int>& values) -> absl::StatusOr<bool> {
+      MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::VectorXd> q,
+                               Solve(DemandsOf(choices, values)));
+      if (!q) return false;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] == kNoPlane || !constraints[i].is_contact) continue;
+        const Target& target = targets[i][static_cast<std::size_t>(values[i])];
+        if (!LiesAcross(PlaneOf(constraints[i]), target, *q)) return false;
+      }
+      if (clearance_.RunsInto(*q)) return false;
+      chosen_q = *q;
+      return true;
+    };
     MORTISE_ASSIGN_OR_RETURN(const std::optional<ChosenPlanes> chosen,
-                             ChoosePlanes(set_, wish_, choices));
-    if (!chosen) return false;
+                             ChoosePlanes(set_, wish_, choices, is_admissible));
+    std::set<int> given_up;
+    if (!chosen) return given_up;
     for (std::size_t i = 0; i < constraints.size(); ++i) {
-      const DesignPlane& plane = planes_[static_cast<std::size_t>(constraints[i].plane)];
-      const auto value = static_cast<std::size_t>(chosen->values[i]);
-      Hold(plane, *targets[i][value].plane, targets[i][value].place, true);
+      if (chosen->values[i] == kNoPlane && constraints[i].is_contact) {
+        given_up.insert(constraints[i].plane);
+      }
     }
-    MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::VectorXd> met, Solve({}));
-    if (met) q_ = *met;
-    return met.has_value();
+    if (!given_up.empty()) return given_up;
+    q_ = chosen_q;
+    for (std::size_t i = 0; i < constraints.size(); ++i) {
+      if (chosen->values[i] == kNoPlane) continue;
+      const Target& target = targets[i][static_cast<std::size_t>(chosen->values[i])];
+      const DesignPlane& plane = PlaneOf(constraints[i]);
+      Hold(plane, NearestAcross(plane, target, q_), target.place, true);
+      if (constraints[i].is_contact) contacts_.emplace_back(&plane, target);
+    }
+    return given_up;
+  }
+
+  static std::vector<Demand> DemandsOf(const std::vector<ChoiceOfPlanes>& choices,
+                                       const std::vector<int>& values) {
+    std::vector<Demand> demands;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i] == kNoPlane) continue;
+      demands.push_back(
+          {choices[i].form, choices[i].values[static_cast<std::size_t>(values[i])], ""});
+    }
+    return demands;
+  }
+
+  // What it costs to stretch all of the component along an axis as far as a level plane is worth.
+  // Where its sizes are given, what one part would cost.
+  absl::StatusOr<double> StretchCost(Axis axis) {
+    std::optional<double>& known = stretch_costs_[static_cast<std::size_t>(axis)];
+    if (known) return *known;
+    known = options_.stretch * options_.stretch;
+    const auto along = [&](const PrincipalPart& part) {
+      return part.box.maximum[static_cast<int>(axis)];
+    };
+    const auto upper = std::max_element(
+        parts_.begin(), parts_.end(),
+        [&](const PrincipalPart& a, const PrincipalPart& b) { return along(a) < along(b); });
+    const auto before = [&](const PrincipalPart& part) {
+      return part.box.minimum[static_cast<int>(axis)];
+    };
+    const auto lower = std::min_element(
+        parts_.begin(), parts_.end(),
+        [&](const PrincipalPart& a, const PrincipalPart& b) { return before(a) < before(b); });
+    const LinearForm extent = FaceOf(*upper, axis, true) - FaceOf(*lower, axis, false);
+    for (const double share : {1.0, 0.1}) {
+      const double wanted = extent.At(wish_) * (1 + share * options_.stretch);
+      MORTISE_ASSIGN_OR_RETURN(const std::optional<MovableSet::Nearest> stretched,
+                               set_.NearestTo(wish_, {{extent, wanted, ""}}));
+      if (!stretched) continue;
+      known = stretched->cost / (share * share);
+      break;
+    }
+    return *known;
+  }
+
+  BoundingBox BoxAt(int part, const Eigen::VectorXd& q) const {
+    BoundingBox box;
+    for (const Axis axis : parametric::kAxes) {
+      const int at = static_cast<int>(axis);
+      box.minimum[at] = FaceOf(parts_[static_cast<std::size_t>(part)], axis, false).At(q);
+      box.maximum[at] = FaceOf(parts_[static_cast<std::size_t>(part)], axis, true).At(q);
+    }
+    return box;
+  }
+
+  // Whether a part of the body whose plane it is lies across from the component's part. What
+  // belongs to no part, as a plane in a rest pose of the original, lies nowhere.
+  bool LiesAcross(const DesignPlane& plane, const Target& target, const Eigen::VectorXd& q) const {
+    if (plane.part < 0) return true;
+    const BoundingBox own = BoxAt(plane.part, q);
+    return std::any_of(target.planes.begin(), target.planes.end(), [&](const auto* other) {
+      return other->part >= 0 &&
+             SharedAcross(own, body_parts_[static_cast<std::size_t>(other->part)].box, plane.axis) >
+                 tolerance_;
+    });
+  }
+
+  // Whether what the contacts of the original are met by lies across.
+  bool KeepsContacts(const Eigen::VectorXd& q) const {
+    return std::all_of(contacts_.begin(), contacts_.end(), [&](const auto& contact) {
+      return LiesAcross(*contact.first, contact.second, q);
+    });
+  }
+
+  // The plane of a target whose part is the nearest.
+  const DesignPlane& NearestAcross(const DesignPlane& plane, const Target& target,
+                                   const Eigen::VectorXd& q) const {
+    if (plane.part < 0) return *target.planes.front();
+    const BoundingBox own = BoxAt(plane.part, q);
+    const auto apart = [&](const DesignPlane& other) {
+      if (other.part < 0) return options_.reach;
+      return DistanceBetween(own, body_parts_[static_cast<std::size_t>(other.part)].box);
+    };
+    return **std::min_element(target.planes.begin(), target.planes.end(),
+                              [&](const auto* a, const auto* b) { return apart(*a) < apart(*b); });
   }
 
   // The nearest design that meets what is held and `more`. Nearest to where the component would be
@@ -329,7 +353,7 @@ class Snapper {
         if (target.axis != plane.axis) continue;
         const double distance = std::abs(target.now - now);
         if (distance > options_.threshold) continue;
-        const Near found{&plane, &target, distance, AcrossOf(plane, target)};
+        const Near found{&plane, &target, distance, targets_.Across(plane, target)};
         if (!nearest || IsNearer(found, *nearest)) nearest = found;
       }
       if (nearest) near.push_back(*nearest);
@@ -344,24 +368,18 @@ class Snapper {
     return a.across < b.across - tolerance_;
   }
 
-  double AcrossOf(const DesignPlane& plane, const DesignPlane& target) const {
-    if (plane.part < 0 || target.part < 0) return options_.reach;
-    return ApartAcross(parts_[static_cast<std::size_t>(plane.part)].box,
-                       body_parts_[static_cast<std::size_t>(target.part)].box, plane.axis);
-  }
-
   absl::Status AlignProminent() {
     std::set<const DesignPlane*> given_up;
-    double overlap = OverlapAt(q_);
+    double overlap = clearance_.OverlapAt(q_);
     while (true) {
       const std::vector<Near> near = FindNear(given_up);
       if (near.empty()) return absl::OkStatus();
       const Near& first = near.front();
       MORTISE_ASSIGN_OR_RETURN(std::optional<Eigen::VectorXd> aligned,
                                Solve({{first.plane->position, first.target->now, ""}}));
-      const double after = !aligned || Deforms(*first.plane, *aligned)
+      const double after = !aligned || Deforms(*first.plane, *aligned) || !KeepsContacts(*aligned)
                                ? std::numeric_limits<double>::infinity()
-                               : OverlapAt(*aligned);
+                               : clearance_.OverlapAt(*aligned);
       if (after > overlap + kMaxOverlap) {
         given_up.insert(first.plane);
         continue;
@@ -399,20 +417,6 @@ class Snapper {
     return absl::OkStatus();
   }
 
-  // How deep the component reaches into the body at these parameters, m: the sum over all parts.
-  double OverlapAt(const Eigen::VectorXd& q) const {
-    const Design there = FromSpace(component_.assembly, q);
-    double sum = 0;
-    for (const parametric::PlacedPart& part : PartsOf(there)) {
-      if (component_.assembly->elements()[static_cast<std::size_t>(part.element)].connecting) {
-        continue;
-      }
-      const SolidPart solid(part.name, part.box, component_.assembly->ShapeOf(part), part.stretch);
-      for (const SolidPart& other : body_solids_) sum += SolidPart::DepthOf(solid, other);
-    }
-    return sum;
-  }
-
   const Design& component_;
   const Design* original_;
   const Design& body_;
@@ -428,9 +432,10 @@ class Snapper {
   Eigen::VectorXd q_;  // in space
   const double tolerance_;
   const BoundingBox bounds_;  // of the component's principal parts
-  std::vector<SolidPart> body_solids_;
-  // By part of the component, those of the body.
-  std::map<int, std::set<std::size_t>> against_;
+  TargetPlanes targets_;
+  const Clearance clearance_;
+  std::array<std::optional<double>, 3> stretch_costs_;
+  std::vector<std::pair<const DesignPlane*, Target>> contacts_;  // that are met
   std::vector<Demand> held_;
   std::vector<Alignment> alignments_;
 };

@@ -27,6 +27,9 @@ struct SnapOptions {
   // the component's part is large along the axis: what is dropped far from everything is left
   // there.
   double furthest = 0.1;
+  // What of a size a level plane of the original is worth: where it costs more than to stretch all
+  // of the component along the axis by as much, it is left.
+  double stretch = 0.5;
 };
 
 // Two planes that are one after snapping.
@@ -57,8 +60,13 @@ struct Snapped {
 // - Each may be met by one of the K planes of the body nearest to the component's plane, that have
 //   the same normal as the original's: minimum faces for minimum faces, so that a shelf stays
 //   between its sides; broad faces for broad ones, if there are any. Of all combinations the one is
-//   taken whose design is nearest to the present one, (5.2), exactly; where none is feasible, the
-//   last constraint is given up. Nearness is that of MovableSet.
+//   taken whose design is nearest to the present one, (5.2), exactly. Nearness is that of
+//   MovableSet.
+// - Our own: a combination is taken only if where the component then lies, each face that lay
+//   against another lies across from a part of the body whose face it meets, and no part runs into
+//   the body deeper than where it was dropped, or than it does into the rest of the original. As
+//   few contacts as possible are given up for that. Planes that were only level are left where it
+//   would cost more than `stretch` says.
 // - Planes that are free still are aligned with the nearest parallel plane within the threshold,
 //   nearest first, in all rest poses, unless that has parts run into each other.
 //

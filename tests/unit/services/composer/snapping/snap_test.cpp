@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,6 +66,92 @@ TEST(SnapTest, ADrawerKeepsTheRoomOfItsSlides) {
     SCOPED_TRACE(part.name);
     ExpectSame(BoxIn(snapped.component, part.name), part.box, 1e-7);
   }
+}
+
+// Nothing of the body lies beside it over its height as the cheeks do beside the first drawer: it
+// is not stretched from the shelf to the first.
+TEST(SnapTest, ASecondDrawerKeepsItsHeight) {
+  const Design& body = ShippedDesign("tool_cart");
+  const Design drawn = ShippedComponent("tool_cart", "drawer");
+  for (const Eigen::Vector3d& off : {Eigen::Vector3d(0, 0.016, -0.156), {0.02, 0, -0.178}}) {
+    Design dropped = drawn;
+    dropped.shift = off;
+    ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &body, body));
+    ExpectFeasible(snapped.component);
+    Eigen::Vector3d moved = BoundsOf(snapped.component).minimum - BoundsOf(drawn).minimum;
+    for (const PrincipalPart& part : PrincipalPartsOf(drawn)) {
+      SCOPED_TRACE(part.name);
+      const BoundingBox there = BoxIn(snapped.component, part.name);
+      ExpectSame(there, {part.box.minimum + moved, part.box.maximum + moved}, 1e-7);
+    }
+    // Below the first, on slides of its own.
+    EXPECT_NEAR(moved.x(), 0, 1e-7);
+    EXPECT_NEAR(moved.y(), 0, 1e-7);
+    EXPECT_LE(std::abs(moved.z() - off.z()), SnapOptions().threshold);
+    EXPECT_GE(BoxIn(snapped.component, "drawer bottom").minimum.z(),
+              BoxIn(body, "shelf").maximum.z());
+    EXPECT_LE(BoxIn(snapped.component, "drawer front").maximum.z(),
+              BoxIn(body, "drawer front").minimum.z() + 1e-7);
+  }
+}
+
+// The upper edge of the plinth lay against a shelf. The lower ends of the sides are in one plane
+// with it here, but between them there is none.
+TEST(SnapTest, APlinthIsNotLaidAgainstWhatIsBesideIt) {
+  const Design& body = ShippedDesign("bookshelf");
+  Design dropped = ShippedComponent("bookshelf", "plinth");
+  dropped.shift = {0.01, 0.023, -0.1};
+  ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &body, body));
+  const BoundingBox plinth = BoxIn(snapped.component, "plinth");
+  EXPECT_NEAR(plinth.minimum.x(), BoxIn(body, "side 1").maximum.x(), 1e-8);
+  EXPECT_NEAR(plinth.maximum.x(), BoxIn(body, "side 2").minimum.x(), 1e-8);
+  for (const Alignment& alignment : snapped.alignments) {
+    EXPECT_FALSE(alignment.component_plane == "z maximum" && alignment.body_element == "side 1")
+        << alignment.text;
+  }
+  EXPECT_LE(plinth.minimum.z(), 1e-8);
+  EXPECT_NEAR(plinth.size().z(), 0.08, 1e-8);
+}
+
+// A copy of a part of a design dropped anywhere onto it: faces that are laid against faces of
+// the body have them across, and nothing runs into anything deeper than where it was dropped.
+TEST(SnapTest, WhatIsLaidAgainstAFaceLiesAcrossFromIt) {
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> off(-0.03, 0.03);
+  int contacts = 0;
+  for (const auto& [id, node] :
+       std::vector<std::pair<std::string, std::string>>{{"bookshelf", "shelf 3"},
+                                                        {"cabinet", "left drawer"},
+                                                        {"tool_cart", "rail 1"},
+                                                        {"dining_table", "long apron 1"},
+                                                        {"slatted_armchair", "left side"},
+                                                        {"garden_cart", "box"}}) {
+    SCOPED_TRACE(node);
+    const Design& body = ShippedDesign(id);
+    const std::vector<PrincipalPart> body_parts = PrincipalPartsOf(body);
+    const Design component = ShippedComponent(id, node);
+    for (int drop = 0; drop < 6; ++drop) {
+      const PrincipalPart& onto = body_parts[random() % body_parts.size()];
+      const Design dropped = DroppedAt(
+          component, onto.box.center() + Eigen::Vector3d(off(random), off(random), off(random)));
+      ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped, &body, body));
+      ExpectFeasible(snapped.component);
+      for (const Alignment& made : snapped.alignments) {
+        const bool faces = made.component_plane.find("m") != std::string::npos &&
+                           made.component_plane.size() == made.body_plane.size() &&
+                           made.component_plane != made.body_plane;
+        if (!made.from_original || !faces) continue;
+        const BoundingBox own = BoxIn(snapped.component, made.component_element);
+        const BoundingBox other = BoxIn(body, made.body_element);
+        Eigen::Vector3d shared =
+            own.maximum.cwiseMin(other.maximum) - own.minimum.cwiseMax(other.minimum);
+        shared[static_cast<int>(made.axis)] = 1;
+        EXPECT_GT(shared.minCoeff(), 0) << made.text;
+        ++contacts;
+      }
+    }
+  }
+  EXPECT_GT(contacts, 20);
 }
 
 TEST(SnapTest, ADoorIsLevelWithItsSideAndMeetsTheMiddle) {
