@@ -1,0 +1,236 @@
+#include "services/interpolator/building/map_building.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+
+namespace mortise::interpolator {
+namespace {
+
+constexpr std::chrono::milliseconds kCancelPoll{100};
+
+using Clock = std::chrono::steady_clock;
+
+// An evaluator that gives no number has failed, whatever it says.
+DesignAnswer Checked(DesignAnswer answer, const std::vector<PlannedMetric>& metrics) {
+  if (!answer.status.ok()) return answer;
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    if (std::isfinite(answer.values[static_cast<Eigen::Index>(i)])) continue;
+    answer.status =
+        WithDetail(absl::InternalError(absl::StrCat("the evaluator left out '", metrics[i].name,
+                                                    "', or gave a value that is not finite")),
+                   {"NOT_FINITE", ""});
+    return answer;
+  }
+  return answer;
+}
+
+// The largest error of any output, less its noise floor, over its range: 0 where none is known.
+double LargestError(const maps::MapErrors& errors, const std::vector<double>& noise_floor) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < errors.largest.size(); ++i) {
+    const double noise = noise_floor.empty() ? 0 : noise_floor[static_cast<std::size_t>(i)];
+    const double error = errors.largest[i] - noise;
+    if (error > 0 && errors.range[i] > 0) largest = std::max(largest, error / errors.range[i]);
+  }
+  return largest;
+}
+
+}  // namespace
+
+const char* StopReasonName(StopReason reason) {
+  switch (reason) {
+    case StopReason::kConverged:
+      return "CONVERGED";
+    case StopReason::kBudget:
+      return "BUDGET";
+    case StopReason::kTime:
+      return "TIME";
+    case StopReason::kCancelled:
+      return "CANCELLED";
+  }
+  return "";
+}
+
+absl::StatusOr<std::unique_ptr<MapBuilding>> MapBuilding::Create(const MapPlan& plan,
+                                                                 const BuildOptions& options) {
+  std::unique_ptr<MapBuilding> building(new MapBuilding(plan, options));
+  const auto structures = static_cast<int>(plan.structures.cols());
+  for (int s = 0; s < structures; ++s) {
+    maps::MapSamplingOptions sampling = options.sampling;
+    // What does not divide evenly goes to the first ones.
+    sampling.budget = plan.evaluations / structures + (s < plan.evaluations % structures ? 1 : 0);
+    MORTISE_ASSIGN_OR_RETURN(
+        maps::MapSampling created,
+        maps::MapSampling::Create(static_cast<int>(plan.NumberParameters().size()),
+                                  static_cast<int>(plan.metrics.size()), sampling));
+    building->structures_.push_back(std::make_unique<maps::MapSampling>(std::move(created)));
+  }
+  return building;
+}
+
+absl::Status MapBuilding::Run(const KnownAnswers& known) {
+  ThreadPool lanes(std::max(1, options_.lanes));
+  const absl::Status status = RunToItsEnd(known, lanes);
+  if (!status.ok()) {
+    if (options_.interrupt) options_.interrupt();
+    KeepWhatIsUnderWay();
+  }
+  return status;
+}
+
+absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes) {
+  Clock::time_point answered = Clock::now(), told = answered;
+  while (true) {
+    if (StopWhenAsked() && options_.interrupt) options_.interrupt();
+    MORTISE_RETURN_IF_ERROR(FillLanes(known, lanes));
+    if (under_way_ == 0) return absl::OkStatus();
+    std::optional<absl::StatusOr<Batch>> batch = mailbox_.Take(kCancelPoll);
+    const Clock::time_point now = Clock::now();
+    if (batch) {
+      answered = told = now;
+      MORTISE_RETURN_IF_ERROR(Receive(*std::move(batch)));
+    } else if (options_.waiting && !is_stopped_ && now - told >= options_.quiet) {
+      told = now;
+      options_.waiting(std::chrono::duration_cast<std::chrono::seconds>(now - answered));
+    }
+  }
+}
+
+// Whether it is stopped from now on.
+bool MapBuilding::StopWhenAsked() {
+  if (is_stopped_) return false;
+  if (options_.cancelled && options_.cancelled()) {
+    stopped_by_ = StopReason::kCancelled;
+    is_stopped_ = true;
+  } else if (options_.is_out_of_time && options_.is_out_of_time()) {
+    stopped_by_ = StopReason::kTime;
+    is_stopped_ = true;
+  }
+  return is_stopped_;
+}
+
+absl::Status MapBuilding::FillLanes(const KnownAnswers& known, ThreadPool& lanes) {
+  while (!is_stopped_ && under_way_ < std::max(1, options_.lanes)) {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<Asked> batch, NextBatch(known));
+    if (batch.empty()) return absl::OkStatus();
+    ++under_way_;
+    lanes.Submit([this, batch = std::move(batch)] { mailbox_.Put(Evaluate(batch)); });
+  }
+  return absl::OkStatus();
+}
+
+// Structures are asked in turn, so that each comes along.
+absl::StatusOr<std::vector<MapBuilding::Asked>> MapBuilding::NextBatch(const KnownAnswers& known) {
+  std::vector<Asked> batch;
+  const int most = std::max(1, options_.batch_size);
+  std::size_t without = 0;  // structures that had nothing to ask
+  while (static_cast<int>(batch.size()) < most && without < structures_.size()) {
+    const std::size_t structure = next_;
+    next_ = (next_ + 1) % structures_.size();
+    const auto asked = structures_[structure]->Ask(most - static_cast<int>(batch.size()));
+    without = asked.empty() ? without + 1 : 0;
+    for (const maps::AskedPoint& point : asked) {
+      Asked each{{static_cast<int>(structure), point.number},
+                 plan_.DesignAt(static_cast<Eigen::Index>(structure), point.position)};
+      const auto found = known.find(each.key);
+      if (found == known.end()) {
+        batch.push_back(std::move(each));
+      } else {
+        MORTISE_RETURN_IF_ERROR(Tell(each, found->second));
+      }
+    }
+  }
+  return batch;
+}
+
+absl::StatusOr<MapBuilding::Batch> MapBuilding::Evaluate(const std::vector<Asked>& asked) const {
+  std::vector<Eigen::VectorXd> designs;
+  for (const Asked& each : asked) designs.push_back(each.design);
+  MORTISE_ASSIGN_OR_RETURN(std::vector<DesignAnswer> answers, options_.evaluate(designs));
+  if (answers.size() != asked.size()) {
+    return absl::InternalError(
+        absl::StrCat("the evaluator answered ", answers.size(), " of ", asked.size(), " designs"));
+  }
+  Batch batch;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    batch.emplace_back(asked[i], Checked(std::move(answers[i]), plan_.metrics));
+  }
+  return batch;
+}
+
+absl::Status MapBuilding::Receive(absl::StatusOr<Batch> batch) {
+  --under_way_;
+  // Of a call that was interrupted.
+  if (is_stopped_ && !batch.ok()) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(batch.status());
+  if (options_.keep) {
+    KnownAnswers answers;
+    for (const auto& [asked, answer] : *batch) answers[asked.key] = answer;
+    MORTISE_RETURN_IF_ERROR(options_.keep(answers));
+  }
+  for (const auto& [asked, answer] : *batch) MORTISE_RETURN_IF_ERROR(Tell(asked, answer));
+  const BuildProgress now = progress();
+  if (options_.progress) options_.progress(now);
+  return options_.judge ? options_.judge(now) : absl::OkStatus();
+}
+
+absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
+  const auto structure = static_cast<std::size_t>(asked.key.structure);
+  ++evaluations_;
+  if (!answer.status.ok()) {
+    failures_.Add({DetailOf(answer.status).reason, answer.status.code(),
+                   std::string(answer.status.message()), plan_.PointOf(asked.design)});
+  }
+  const absl::Status told =
+      answer.status.ok()
+          ? structures_[structure]->Tell(static_cast<int>(asked.key.number), answer.values)
+          : structures_[structure]->TellFailure(static_cast<int>(asked.key.number), answer.status);
+  if (told.ok()) return told;
+  return absl::DataLossError(
+      absl::StrCat("the answers that were kept are of another map: ", told.message()));
+}
+
+// After a failure: what other calls have found meanwhile need not be evaluated again.
+void MapBuilding::KeepWhatIsUnderWay() {
+  while (under_way_ > 0) {
+    const std::optional<absl::StatusOr<Batch>> batch = mailbox_.Take(kCancelPoll);
+    if (!batch) continue;
+    --under_way_;
+    if (!batch->ok() || !options_.keep) continue;
+    KnownAnswers answers;
+    for (const auto& [asked, answer] : **batch) answers[asked.key] = answer;
+    // The failure that is told is the first.
+    options_.keep(answers).IgnoreError();
+  }
+}
+
+StopReason MapBuilding::ReasonOf(std::size_t structure) const {
+  if (!structures_[structure]->Done()) return stopped_by_;
+  const maps::MapErrors errors = structures_[structure]->Progress().errors;
+  return LargestError(errors, options_.sampling.noise_floor) <= options_.sampling.tolerance
+             ? StopReason::kConverged
+             : StopReason::kBudget;
+}
+
+BuildProgress MapBuilding::progress() const {
+  BuildProgress progress;
+  progress.evaluations = evaluations_;
+  progress.failures = failures_.failures();
+  for (const evaluation::FailureCount& failure : progress.failures) {
+    progress.failed += failure.count;
+  }
+  for (const auto& structure : structures_) {
+    const maps::MapSamplingProgress now = structure->Progress();
+    progress.elements += now.elements;
+    progress.error =
+        std::max(progress.error, LargestError(now.errors, options_.sampling.noise_floor));
+  }
+  return progress;
+}
+
+}  // namespace mortise::interpolator

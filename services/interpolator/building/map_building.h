@@ -1,0 +1,123 @@
+// Samples a map: which designs to ask next, several calls at once, what became of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/base/mailbox.h"
+#include "common/base/thread_pool.h"
+#include "common/evaluation/failures/failure_tally.h"
+#include "common/maps/map_sampling.h"
+#include "services/interpolator/building/map_plan.h"
+
+namespace mortise::interpolator {
+
+// What is known of a design.
+struct DesignAnswer {
+  absl::Status status;     // why it could not be evaluated; OK if it was
+  Eigen::VectorXd values;  // M
+};
+
+// A design that a map asks for: the `number`-th of a structure.
+struct DesignKey {
+  int structure = 0;
+  std::int64_t number = 0;
+
+  auto operator<=>(const DesignKey&) const = default;
+};
+
+using KnownAnswers = std::map<DesignKey, DesignAnswer>;
+
+enum class StopReason { kConverged, kBudget, kTime, kCancelled };
+
+// "CONVERGED", "BUDGET", "TIME", "CANCELLED".
+const char* StopReasonName(StopReason reason);
+
+// How far a map is.
+struct BuildProgress {
+  std::int64_t evaluations = 0;
+  std::int64_t failed = 0;                         // of those
+  std::vector<evaluation::FailureCount> failures;  // why; the designs as points (P)
+  std::int64_t elements = 0;
+  double error = 0;  // the largest over the range of its metric, of all structures
+};
+
+struct BuildOptions {
+  maps::MapSamplingOptions sampling;  // of each structure; the plan has the budget of all
+  int batch_size = 1;                 // designs in one call of the evaluator, at most
+  int lanes = 1;  // calls under way at once. Neither changes the map, only the time it takes.
+  // Evaluates designs (D values each) in their order: called by several threads at once. A failure
+  // means that the evaluator itself is out of reach.
+  std::function<absl::StatusOr<std::vector<DesignAnswer>>(const std::vector<Eigen::VectorXd>&)>
+      evaluate;
+  std::function<void()> interrupt;       // asks calls of `evaluate` to return soon
+  std::function<bool()> cancelled;       // asked ten times a second; true: stop with what there is
+  std::function<bool()> is_out_of_time;  // likewise
+  // Called with the answers of each batch before anything else happens with them. A failure stops
+  // the build as if the evaluator were lost.
+  std::function<absl::Status(const KnownAnswers&)> keep;
+  std::function<void(const BuildProgress&)> progress;  // after each batch
+  // After each batch: why the whole subject is at fault, which ends the build; OK to go on.
+  std::function<absl::Status(const BuildProgress&)> judge;
+  // Called each time that no answer has come for `quiet`, with how long there has been none.
+  std::function<void(std::chrono::seconds)> waiting;
+  std::chrono::milliseconds quiet{10'000};
+};
+
+// One build. Its callbacks are called on the thread that runs it.
+class MapBuilding {
+ public:
+  // `plan` and `options` outlive it. Fails as MapSampling::Create.
+  static absl::StatusOr<std::unique_ptr<MapBuilding>> Create(const MapPlan& plan,
+                                                             const BuildOptions& options);
+
+  // Samples until every structure has what it needs, or is stopped. Answers that are already known,
+  // from a build that was interrupted, are taken from `known`: the map is the same. Returns why the
+  // evaluator was lost, if it was, or what `judge` said; DATA_LOSS if `known` is of another map.
+  absl::Status Run(const KnownAnswers& known);
+
+  const std::vector<std::unique_ptr<maps::MapSampling>>& structures() const { return structures_; }
+  // Why a structure is not sampled any more.
+  StopReason ReasonOf(std::size_t structure) const;
+  BuildProgress progress() const;
+
+ private:
+  struct Asked {
+    DesignKey key;
+    Eigen::VectorXd design;  // D
+  };
+  using Batch = std::vector<std::pair<Asked, DesignAnswer>>;
+
+  MapBuilding(const MapPlan& plan, const BuildOptions& options) : plan_(plan), options_(options) {}
+
+  bool StopWhenAsked();
+  absl::Status FillLanes(const KnownAnswers& known, ThreadPool& lanes);
+  absl::StatusOr<std::vector<Asked>> NextBatch(const KnownAnswers& known);
+  absl::StatusOr<Batch> Evaluate(const std::vector<Asked>& asked) const;
+  absl::Status Receive(absl::StatusOr<Batch> batch);
+  absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
+  void KeepWhatIsUnderWay();
+  absl::Status RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes);
+
+  const MapPlan& plan_;
+  const BuildOptions& options_;
+  std::vector<std::unique_ptr<maps::MapSampling>> structures_;
+  evaluation::FailureTally failures_;
+  std::int64_t evaluations_ = 0;
+  std::size_t next_ = 0;  // structure to ask
+  int under_way_ = 0;     // calls
+  bool is_stopped_ = false;
+  StopReason stopped_by_ = StopReason::kCancelled;
+  Mailbox<absl::StatusOr<Batch>> mailbox_;
+};
+
+}  // namespace mortise::interpolator
