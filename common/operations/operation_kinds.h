@@ -6,11 +6,14 @@ namespace mortise::operations {
 
 inline constexpr char kPlanOperation[] = "fabplanner.plan";
 inline constexpr char kWorkOrderOperation[] = "fabplanner.workOrder";
+inline constexpr char kMapOperation[] = "interpolator.map";
+inline constexpr char kVerificationOperation[] = "interpolator.verification";
 inline constexpr char kDiscoveryOperation[] = "pareto.discovery";
 inline constexpr char kIndexOperation[] = "retrieval.index";
 inline constexpr char kAnalysisOperation[] = "simulator.analysis";
 
 inline constexpr const char* kOperationKinds[] = {
-    kPlanOperation, kWorkOrderOperation, kDiscoveryOperation, kIndexOperation, kAnalysisOperation};
+    kPlanOperation,      kWorkOrderOperation, kMapOperation,     kVerificationOperation,
+    kDiscoveryOperation, kIndexOperation,     kAnalysisOperation};
 
 }  // namespace mortise::operations

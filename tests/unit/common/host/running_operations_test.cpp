@@ -271,8 +271,8 @@ TEST_F(RunningServiceTest, FiltersThatMeanNothingAreRefusedByName) {
   v1::ListOperationsRequest request;
   request.set_kind("zzz");
   EXPECT_EQ(List(request).status().message(),
-            "kind: 'zzz' is none of fabplanner.plan, fabplanner.workOrder, pareto.discovery, "
-            "retrieval.index, simulator.analysis");
+            "kind: 'zzz' is none of fabplanner.plan, fabplanner.workOrder, interpolator.map, "
+            "interpolator.verification, pareto.discovery, retrieval.index, simulator.analysis");
   request.set_kind("");
   request.set_subject("nope");
   EXPECT_EQ(List(request).status().message(),

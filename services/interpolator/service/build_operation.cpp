@@ -1,0 +1,263 @@
+#include "services/interpolator/service/build_operation.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "common/base/errors.h"
+#include "common/base/logging.h"
+#include "common/host/operation_codec.h"
+#include "common/store/blob_folder.h"
+#include "common/store/store.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/building/map_building.h"
+#include "services/interpolator/service/kept_answers.h"
+#include "services/interpolator/service/map_evaluator.h"
+#include "services/interpolator/service/map_message.h"
+#include "services/interpolator/service/map_records.h"
+#include "services/interpolator/service/plan_request.h"
+#include "services/interpolator/service/stored_map.h"
+
+namespace mortise::interpolator {
+namespace {
+
+// Some sixty designs at once keep a dozen workers busy; few in a call show their answers early.
+constexpr int kLanes = 16;
+constexpr int kBatch = 4;
+// Of which all must have failed before the subject itself is suspected.
+constexpr std::int64_t kSuspicious = 8;
+
+// Rounds of more points keep more workers busy, of fewer choose better: a sixteenth of a
+// structure's evaluations in each does both.
+constexpr int kRounds = 16;
+constexpr int kLeastRound = 8;
+constexpr int kMostRound = 64;
+
+maps::MapSamplingOptions SamplingOf(const v1::MapSpecification& specification,
+                                    const MapPlan& plan) {
+  maps::MapSamplingOptions options;
+  options.basis = specification.basis() == v1::MapSpecification::CUBIC ? maps::Basis::kCubic
+                                                                       : maps::Basis::kLinear;
+  options.tolerance = specification.tolerance();
+  for (const PlannedMetric& metric : plan.metrics) {
+    options.noise_floor.push_back(metric.noise_floor);
+  }
+  options.seed = static_cast<std::uint64_t>(specification.seed());
+  const auto structures = static_cast<int>(plan.structures.cols());
+  options.round_points =
+      std::clamp(plan.evaluations / structures / kRounds, kLeastRound, kMostRound);
+  return options;
+}
+
+class BuildRun {
+ public:
+  BuildRun(rpc::ServiceEnvironment& environment, operations::OperationContext& context)
+      : environment_(environment),
+        context_(context),
+        id_(context.name().substr(context.name().rfind('/') + 1)) {}
+
+  absl::StatusOr<std::string> Run() {
+    // An earlier run may have written the map and died before it could say so.
+    const absl::StatusOr<v1::DesignMap> finished = kMaps.Get(*environment_.store, MapName());
+    if (finished.ok()) return rpc::PackResult(*finished);
+    if (!absl::IsNotFound(finished.status())) return finished.status();
+    absl::StatusOr<std::string> result = Build();
+    // What fails for good needs its answers no more; the simulator has them still.
+    if (!result.ok() && !absl::IsCancelled(result.status()) && !absl::IsAborted(result.status())) {
+      MORTISE_RETURN_IF_ERROR(context_.Transact(
+          [this](store::Transaction& transaction) { return DropAnswers(transaction, id_); }));
+    }
+    return result;
+  }
+
+  const std::string& subject() const { return request_.specification().subject(); }
+
+ private:
+  absl::StatusOr<std::string> Build() {
+    if (!request_.ParseFromString(context_.request())) {
+      return StorageFailed(context_.name(), "the stored request cannot be read");
+    }
+    const v1::MapSpecification& specification = request_.specification();
+    MORTISE_ASSIGN_OR_RETURN(evaluator_, MapEvaluator::Create(environment_, specification));
+    MORTISE_ASSIGN_OR_RETURN(const auto described, evaluator_->Describe(context_.stop_token()));
+    MORTISE_ASSIGN_OR_RETURN(plan_, MakePlan(specification, *described));
+    const BuildOptions options = MakeOptions();
+    MORTISE_ASSIGN_OR_RETURN(const auto building, MapBuilding::Create(plan_, options));
+    MORTISE_ASSIGN_OR_RETURN(const KnownAnswers known, LoadAnswers(*environment_.store, id_));
+    MORTISE_RETURN_IF_ERROR(building->Run(known));
+    return Finish(*building);
+  }
+
+  BuildOptions MakeOptions() {
+    BuildOptions options;
+    options.sampling = SamplingOf(request_.specification(), plan_);
+    options.lanes = kLanes;
+    options.batch_size = kBatch;
+    options.evaluate = [this](const std::vector<Eigen::VectorXd>& designs) {
+      return evaluator_->Evaluate(designs);
+    };
+    options.interrupt = [this] { evaluator_->Interrupt(); };
+    options.cancelled = [this] { return context_.Cancelled(); };
+    if (request_.specification().seconds() > 0) {
+      // From when it was asked for, so that a restart gives it no more.
+      const absl::Time end =
+          context_.operation().created_at + absl::Seconds(request_.specification().seconds());
+      options.is_out_of_time = [end] { return absl::Now() >= end; };
+    }
+    options.keep = [this](const KnownAnswers& answers) {
+      return context_.Transact(
+          [&](store::Transaction& transaction) { return PutAnswers(transaction, id_, answers); });
+    };
+    options.progress = [this](const BuildProgress& progress) { Tell(progress); };
+    options.judge = [this](const BuildProgress& progress) { return Judge(progress); };
+    options.waiting = [this](std::chrono::seconds waited) { TellOfWaiting(waited); };
+    return options;
+  }
+
+  void Tell(const BuildProgress& progress) {
+    told_.done = progress.evaluations;
+    told_.total = plan_.evaluations;
+    told_.best_so_far = progress.error;
+    told_.has_best = progress.evaluations > progress.failed;
+    told_.message =
+        absl::StrFormat("error %.3g of the range, %d elements", progress.error, progress.elements);
+    if (progress.failed > 0) {
+      absl::StrAppend(&told_.message, ", ", progress.failed, " failed (",
+                      evaluation::CountsByReason(progress.failures), ")");
+    }
+    context_.ReportProgress(told_);
+  }
+
+  void TellOfWaiting(std::chrono::seconds waited) {
+    operations::Progress progress = told_;
+    progress.message = absl::StrCat("waiting for ", subject(), ": no answer for ", waited.count(),
+                                    " s; its workers may be busy or not running");
+    if (!told_.message.empty()) absl::StrAppend(&progress.message, "; until then ", told_.message);
+    context_.ReportProgress(progress);
+  }
+
+  // Ends a build in which every design must fail, as all have so far, and the default one does.
+  absl::Status Judge(const BuildProgress& progress) {
+    if (progress.evaluations < kSuspicious || progress.failed < progress.evaluations) {
+      return absl::OkStatus();
+    }
+    const auto suspected = std::ranges::find_if(progress.failures, evaluation::MayBeOfSubject);
+    if (suspected == progress.failures.end()) return absl::OkStatus();
+    if (!default_design_) {
+      const std::stop_callback interrupt(context_.stop_token(),
+                                         [this] { evaluator_->Interrupt(); });
+      auto answers = evaluator_->Evaluate({plan_.base});
+      // An evaluator that is away is asked again after the next batch.
+      if (!answers.ok()) return absl::OkStatus();
+      default_design_ = std::move(answers->front());
+    }
+    if (default_design_->status.ok() || default_design_->status.code() != suspected->code ||
+        default_design_->status.message() != suspected->message) {
+      return absl::OkStatus();
+    }
+    return PreconditionFailed(
+        "SUBJECT_UNUSABLE",
+        absl::StrCat("no design of ", subject(), " can be evaluated. The default one and ",
+                     suspected->count, " of the first ", progress.evaluations,
+                     ", which all failed, say: ", suspected->message, " (", suspected->reason, ")"),
+        subject());
+  }
+
+  absl::StatusOr<std::string> Finish(const MapBuilding& building) {
+    const bool is_stopped = context_.Cancelled();
+    if (is_stopped) {
+      // A shutdown, or a takeover, leaves the work to the next run.
+      MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
+                               environment_.operations->Get(context_.name()));
+      if (!operation.cancel_requested) return absl::CancelledError("interrupted");
+    }
+    const BuildProgress progress = building.progress();
+    std::vector<maps::MapContent> contents;
+    for (const auto& structure : building.structures()) {
+      absl::StatusOr<maps::MapContent> content = structure->Content();
+      if (content.ok()) contents.push_back(*std::move(content));
+    }
+    const bool is_known = contents.size() == building.structures().size();
+    if (is_stopped && !is_known) {
+      MORTISE_RETURN_IF_ERROR(context_.Transact(
+          [this](store::Transaction& transaction) { return DropAnswers(transaction, id_); }));
+      return absl::CancelledError("cancelled before there was a map");
+    }
+    if (!is_known || progress.failed == progress.evaluations) {
+      return PreconditionFailed(
+          "MAP_EMPTY",
+          absl::StrCat("of ", progress.evaluations, " designs of ", subject(),
+                       " too few could be evaluated for a map", progress.failed > 0 ? ": " : "",
+                       evaluation::CountsWithExamples(progress.failures)),
+          subject());
+    }
+    MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreMap(building, contents));
+    if (is_stopped) {
+      context_.KeepResult(packed);
+      return absl::CancelledError("cancelled; the map holds what was sampled by then");
+    }
+    // It may end before all that it was allowed to evaluate: then it is through with fewer.
+    told_.total = told_.done = progress.evaluations;
+    context_.ReportProgress(told_);
+    return packed;
+  }
+
+  // The map, packed.
+  absl::StatusOr<std::string> StoreMap(const MapBuilding& building,
+                                       const std::vector<maps::MapContent>& contents) {
+    const std::string bytes = SerializeMap(contents);
+    // What is not to be read again is never stored.
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<maps::InterpolationMap> structures, ParseMap(bytes));
+    v1::DesignMap map = MakeMap(request_.specification(), plan_, building, structures);
+    map.set_name(MapName());
+    rpc::SetTagsAndCreator(context_.operation(), &map);
+    MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment_.store->Blobs());
+    MORTISE_ASSIGN_OR_RETURN(const std::string digest, blobs->Put(bytes));
+    map.set_sha256(digest);
+    map.set_bytes(static_cast<std::int64_t>(bytes.size()));
+    MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) -> absl::Status {
+      *map.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+          absl::ToUnixMicros(transaction.Now()));
+      MORTISE_RETURN_IF_ERROR(transaction.Put(kMaps.kind, id_, map.SerializeAsString()).status());
+      MORTISE_RETURN_IF_ERROR(DropAnswers(transaction, id_));
+      return transaction.AppendEvent({.type = "map.created",
+                                      .subject = map.name(),
+                                      .payload = "{}",
+                                      .trace_id = CurrentTraceId()});
+    }));
+    return rpc::PackResult(map);
+  }
+
+  std::string MapName() const { return absl::StrCat(kMaps.names, "/", id_); }
+
+  rpc::ServiceEnvironment& environment_;
+  operations::OperationContext& context_;
+  const std::string id_;
+  v1::BuildMapRequest request_;
+  MapPlan plan_;
+  std::unique_ptr<MapEvaluator> evaluator_;
+  operations::Progress told_;                   // last
+  std::optional<DesignAnswer> default_design_;  // what became of it, once it was tried
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> RunBuildOperation(
+    rpc::ServiceEnvironment& environment, operations::OperationContext& context,
+    const std::function<void(const std::string& subject)>& stored) {
+  BuildRun run(environment, context);
+  absl::StatusOr<std::string> result = run.Run();
+  if (!run.subject().empty()) stored(run.subject());
+  return result;
+}
+
+}  // namespace mortise::interpolator

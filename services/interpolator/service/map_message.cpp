@@ -1,0 +1,129 @@
+#include "services/interpolator/service/map_message.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <string>
+
+namespace mortise::interpolator {
+namespace {
+
+void AddParameters(const MapPlan& plan, v1::DesignMap& map) {
+  std::set<Eigen::Index> varying;
+  for (const PlannedParameter& parameter : plan.parameters) {
+    varying.insert(parameter.index);
+    v1::MapParameter& to = *map.add_parameters();
+    to.set_name(parameter.name);
+    to.set_unit(parameter.unit);
+    to.set_minimum(parameter.minimum);
+    to.set_maximum(parameter.maximum);
+    to.set_whole(parameter.whole);
+    to.mutable_choices()->Add(parameter.choices.begin(), parameter.choices.end());
+  }
+  for (Eigen::Index i = 0; i < plan.base.size(); ++i) {
+    if (varying.contains(i)) continue;
+    v1::ParameterValue& fixed = *map.add_fixed();
+    fixed.set_name(plan.names[static_cast<std::size_t>(i)]);
+    fixed.set_value(plan.base[i]);
+  }
+}
+
+// How many halvings made the smallest element.
+int DepthOf(const maps::RefinementTree& tree) {
+  int most = 0;
+  for (const int element : tree.Elements()) {
+    int depth = 0;
+    for (int d = 0; d < tree.dimension(); ++d) depth += tree.DepthOf(element, d);
+    most = std::max(most, depth);
+  }
+  return most;
+}
+
+void AddStructures(const MapPlan& plan, const MapBuilding& building,
+                   const std::vector<maps::InterpolationMap>& structures, v1::DesignMap& map) {
+  const std::vector<std::size_t> wholes = plan.WholeParameters();
+  StopReason first_of_all = StopReason::kConverged;
+  for (std::size_t s = 0; s < building.structures().size(); ++s) {
+    const maps::MapSamplingProgress sampled = building.structures()[s]->Progress();
+    const maps::MapContent& content = structures[s].content();
+    v1::MapStructure& to = *map.add_structures();
+    for (std::size_t i = 0; i < wholes.size(); ++i) {
+      v1::ParameterValue& value = *to.add_values();
+      value.set_name(plan.parameters[wholes[i]].name);
+      value.set_value(plan.structures(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(s)));
+    }
+    to.set_samples(content.values.cols());
+    to.set_probes(std::max<std::int64_t>(0, sampled.told - to.samples()));
+    to.set_failed_evaluations(sampled.failed);
+    to.set_elements(static_cast<std::int64_t>(content.cut_off.size()));
+    to.set_cut_off_elements(std::ranges::count(content.cut_off, 1));
+    to.set_depth(DepthOf(structures[s].tree()));
+    to.set_stop_reason(StopReasonName(building.ReasonOf(s)));
+    map.set_samples(map.samples() + to.samples());
+    map.set_probes(map.probes() + to.probes());
+    map.set_failed_evaluations(map.failed_evaluations() + to.failed_evaluations());
+    map.set_elements(map.elements() + to.elements());
+    map.set_cut_off_elements(map.cut_off_elements() + to.cut_off_elements());
+    map.set_depth(std::max(map.depth(), to.depth()));
+    first_of_all = std::max(first_of_all, building.ReasonOf(s));
+  }
+  map.set_stop_reason(StopReasonName(first_of_all));
+}
+
+// The errors of all structures: the mean weighs each by its probes.
+void AddMetrics(const MapPlan& plan, const MapBuilding& building, v1::DesignMap& map) {
+  const auto metrics = static_cast<Eigen::Index>(plan.metrics.size());
+  Eigen::ArrayXd least = Eigen::ArrayXd::Constant(metrics, std::numeric_limits<double>::infinity());
+  Eigen::ArrayXd most = -least, largest = Eigen::ArrayXd::Zero(metrics), sum = largest;
+  double probes = 0;
+  for (const auto& structure : building.structures()) {
+    const maps::MapSamplingCheckpoint told = structure->Checkpoint();
+    for (Eigen::Index i = 0; i < told.values.cols(); ++i) {
+      if (!told.failures[static_cast<std::size_t>(i)].empty()) continue;
+      least = least.min(told.values.col(i).array());
+      most = most.max(told.values.col(i).array());
+    }
+    const maps::MapErrors errors = structure->Progress().errors;
+    if (errors.probes == 0) continue;
+    largest = largest.max(errors.largest.array());
+    sum += errors.probes * errors.mean.array();
+    probes += errors.probes;
+  }
+  for (Eigen::Index i = 0; i < metrics; ++i) {
+    const PlannedMetric& metric = plan.metrics[static_cast<std::size_t>(i)];
+    v1::MapMetric& to = *map.add_metrics();
+    to.set_name(metric.name);
+    to.set_unit(metric.unit);
+    to.set_minimum(least[i]);
+    to.set_maximum(most[i]);
+    to.set_largest_error(largest[i]);
+    to.set_mean_error(probes > 0 ? sum[i] / probes : 0);
+    to.set_noise_floor(metric.noise_floor);
+  }
+}
+
+void AddFailures(const BuildProgress& progress, v1::DesignMap& map) {
+  for (const evaluation::FailureCount& failure : progress.failures) {
+    v1::MapFailure& to = *map.add_failures();
+    to.set_reason(failure.reason);
+    to.set_count(failure.count);
+    to.set_message(failure.message);
+    to.mutable_parameters()->Add(failure.x.begin(), failure.x.end());
+  }
+}
+
+}  // namespace
+
+v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& plan,
+                      const MapBuilding& building,
+                      const std::vector<maps::InterpolationMap>& structures) {
+  v1::DesignMap map;
+  *map.mutable_specification() = specification;
+  AddParameters(plan, map);
+  AddStructures(plan, building, structures, map);
+  AddMetrics(plan, building, map);
+  AddFailures(building.progress(), map);
+  return map;
+}
+
+}  // namespace mortise::interpolator

@@ -1,0 +1,18 @@
+// What was sampled, as a message.
+#pragma once
+
+#include <vector>
+
+#include "common/maps/interpolation_map.h"
+#include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/building/map_building.h"
+#include "services/interpolator/building/map_plan.h"
+
+namespace mortise::interpolator {
+
+// Without name, file, time and tags. `structures` are what is served of the building's.
+v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& plan,
+                      const MapBuilding& building,
+                      const std::vector<maps::InterpolationMap>& structures);
+
+}  // namespace mortise::interpolator

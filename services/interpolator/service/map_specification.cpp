@@ -1,0 +1,121 @@
+#include "services/interpolator/service/map_specification.h"
+
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/violation_lists.h"
+#include "common/files/evaluation_settings.h"
+#include "mortise/v1/interpolator.pb.h"
+
+namespace mortise::interpolator {
+namespace {
+
+// All faults so far.
+class Faults {
+ public:
+  void Add(const absl::Status& fault) { faults_ = CombineViolations(faults_, fault); }
+  void AddField(std::string_view field, std::string_view message) {
+    Add(InvalidField(field, message));
+  }
+  template <typename Number>
+  void CheckRange(std::string_view field, Number value, Number least, Number most) {
+    if (!(value >= least && value <= most)) {
+      AddField(field, absl::StrCat("must lie between ", least, " and ", most));
+    }
+  }
+  const absl::Status& status() const { return faults_; }
+
+ private:
+  absl::Status faults_;
+};
+
+void CheckMetrics(const v1::MapSpecification& specification, Faults& faults) {
+  if (specification.metrics().empty() || specification.metrics_size() > kMaxMetrics) {
+    faults.AddField("metrics", absl::StrCat("1 to ", kMaxMetrics, " are needed, not ",
+                                            specification.metrics_size()));
+    return;
+  }
+  std::set<std::string> names;
+  for (int i = 0; i < specification.metrics_size(); ++i) {
+    const auto& metric = specification.metrics(i);
+    const std::string field = absl::StrCat("metrics[", i, "]");
+    if (metric.name().empty()) {
+      faults.AddField(field + ".name", "must name a metric");
+    } else if (!names.insert(metric.name()).second) {
+      faults.AddField(field + ".name", "is given twice");
+    }
+    if (!(metric.noise_floor() >= 0)) {
+      faults.AddField(field + ".noise_floor", "must be at least 0");
+    }
+  }
+}
+
+void CheckParameters(const v1::MapSpecification& specification, Faults& faults) {
+  std::set<std::string> names;
+  for (int i = 0; i < specification.variations_size(); ++i) {
+    const auto& variation = specification.variations(i);
+    const std::string field = absl::StrCat("variations[", i, "]");
+    if (!names.insert(variation.parameter()).second) {
+      faults.AddField(field + ".parameter", "is given twice");
+    }
+    if (variation.has_minimum() && variation.has_maximum() &&
+        !(variation.minimum() < variation.maximum())) {
+      faults.AddField(field + ".maximum", "must lie above the minimum");
+    }
+  }
+  for (int i = 0; i < specification.fixed_size(); ++i) {
+    if (!names.insert(specification.fixed(i).name()).second) {
+      faults.AddField(absl::StrCat("fixed[", i, "].name"),
+                      "is given twice: a parameter varies or is fixed, once");
+    }
+  }
+}
+
+void CheckNumbers(const v1::MapSpecification& specification, Faults& faults) {
+  if (specification.revision() < 0) faults.AddField("revision", "must be at least 0");
+  if (!v1::MapSpecification::Basis_IsValid(specification.basis())) {
+    faults.AddField("basis", "must be LINEAR or CUBIC");
+  }
+  if (specification.evaluations() != 0) {
+    faults.CheckRange("evaluations", specification.evaluations(), kMinEvaluations, kMaxEvaluations);
+  }
+  const double values =
+      static_cast<double>(specification.evaluations()) * specification.metrics_size();
+  if (values > kMaxValues) {
+    faults.AddField("evaluations",
+                    absl::StrCat("with ", specification.metrics_size(), " metrics, at most ",
+                                 kMaxValues / specification.metrics_size(), " are possible"));
+  }
+  faults.CheckRange("tolerance", specification.tolerance(), 0.0, 1.0);
+  faults.CheckRange("seconds", specification.seconds(), 0.0, kMaxSeconds);
+  if (specification.most_structures() != 0) {
+    faults.CheckRange("most_structures", specification.most_structures(), 1, kMaxStructures);
+  }
+}
+
+}  // namespace
+
+absl::Status CheckSubject(const std::string& subject) {
+  const char* const collection =
+      absl::StartsWith(subject, "evaluators/") ? "evaluators" : "templates";
+  if (ParseResourceName(subject, collection, "subject").ok()) return absl::OkStatus();
+  return InvalidField("subject", "must have the form templates/{id} or evaluators/{id}");
+}
+
+absl::Status CheckSpecification(const v1::MapSpecification& specification) {
+  Faults faults;
+  faults.Add(CheckSubject(specification.subject()));
+  CheckMetrics(specification, faults);
+  CheckParameters(specification, faults);
+  CheckNumbers(specification, faults);
+  faults.Add(parametric::CheckMeshSettings(specification.mesh()));
+  faults.Add(parametric::ReadAirflow(specification.airflow()).status());
+  return UnderField("specification", faults.status());
+}
+
+}  // namespace mortise::interpolator

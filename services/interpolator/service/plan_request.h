@@ -1,0 +1,28 @@
+// From what a client asks for, and what the evaluator says of its subject, to the plan of a map.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "services/interpolator/building/map_plan.h"
+
+namespace mortise::v1 {
+class DescribeDesignSpaceRequest;
+class DesignSpace;
+class EvaluateBatchRequest;
+class MapSpecification;
+}  // namespace mortise::v1
+
+namespace mortise::interpolator {
+
+// Returns the plan for a specification that CheckSpecification passes. INVALID_ARGUMENT naming the
+// field: a name that the subject does not have, a range beyond its own, a value that is none,
+// nothing that varies or too much, more structures than are allowed.
+absl::StatusOr<MapPlan> MakePlan(const v1::MapSpecification& specification,
+                                 const v1::DesignSpace& described);
+
+// Returns what to ask about the subject of a map.
+v1::DescribeDesignSpaceRequest DescriptionOf(const v1::MapSpecification& specification);
+
+// Returns what to ask about every design of a map: all but the points.
+v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification);
+
+}  // namespace mortise::interpolator

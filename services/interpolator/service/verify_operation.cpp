@@ -1,0 +1,159 @@
+#include "services/interpolator/service/verify_operation.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/identifiers.h"
+#include "common/base/logging.h"
+#include "common/base/random.h"
+#include "common/host/operation_codec.h"
+#include "common/store/store.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/service/map_evaluator.h"
+#include "services/interpolator/service/map_queries.h"
+#include "services/interpolator/service/map_records.h"
+#include "services/interpolator/service/plan_request.h"
+
+namespace mortise::interpolator {
+namespace {
+
+// Points one after the other, as a request has them.
+google::protobuf::RepeatedField<double> RandomPoints(const v1::DesignMap& map, int count,
+                                                     std::uint64_t seed) {
+  Random random(seed);
+  google::protobuf::RepeatedField<double> points;
+  for (int i = 0; i < count; ++i) {
+    const v1::MapStructure& structure = map.structures(
+        static_cast<int>(random.Index(static_cast<std::size_t>(map.structures_size()))));
+    int whole = 0;
+    for (const v1::MapParameter& parameter : map.parameters()) {
+      points.Add(parameter.whole()
+                     ? structure.values(whole++).value()
+                     : parameter.minimum() +
+                           random.Uniform() * (parameter.maximum() - parameter.minimum()));
+    }
+  }
+  return points;
+}
+
+// Each design that an evaluator knows and the map has values of, by how much they differ.
+struct Differences {
+  std::int64_t failed = 0;
+  std::int64_t uncovered = 0;
+  std::vector<std::vector<double>> of_metrics;  // one list for each metric
+};
+
+// An answer without a number is as good as none.
+bool IsUsable(const DesignAnswer& answer) {
+  return answer.status.ok() && answer.values.allFinite();
+}
+
+Differences Compare(const v1::EvaluateMapResponse& mapped,
+                    const std::vector<DesignAnswer>& answers) {
+  const int metrics = mapped.metrics_size();
+  Differences differences;
+  differences.of_metrics.resize(static_cast<std::size_t>(metrics));
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const int first = static_cast<int>(i) * metrics;
+    if (!IsUsable(answers[i])) {
+      ++differences.failed;
+    } else if (std::isnan(mapped.values(first))) {
+      ++differences.uncovered;
+    } else {
+      for (int m = 0; m < metrics; ++m) {
+        differences.of_metrics[static_cast<std::size_t>(m)].push_back(
+            std::abs(mapped.values(first + m) - answers[i].values[m]));
+      }
+    }
+  }
+  return differences;
+}
+
+v1::MapVerification ToMessage(const v1::EvaluateMapResponse& mapped, Differences differences,
+                              std::size_t points, std::int64_t seed) {
+  v1::MapVerification verification;
+  verification.set_points(static_cast<std::int64_t>(points));
+  verification.set_failed(differences.failed);
+  verification.set_uncovered(differences.uncovered);
+  verification.set_seed(seed);
+  for (int m = 0; m < mapped.metrics_size(); ++m) {
+    std::vector<double>& values = differences.of_metrics[static_cast<std::size_t>(m)];
+    if (values.empty()) continue;
+    std::ranges::sort(values);
+    v1::MapVerification::Difference& to = *verification.add_differences();
+    to.set_metric(mapped.metrics(m));
+    to.set_largest(values.back());
+    const auto best =
+        static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(values.size())));
+    to.set_largest_99(values[best - 1]);
+    double sum = 0;
+    for (const double value : values) sum += value;
+    to.set_mean(sum / static_cast<double>(values.size()));
+  }
+  return verification;
+}
+
+// Writes it into the map, which may have new tags or be gone by now. Returns the map.
+absl::StatusOr<v1::DesignMap> Store(operations::OperationContext& context, const std::string& name,
+                                    v1::MapVerification verification) {
+  v1::DesignMap map;
+  MORTISE_RETURN_IF_ERROR(context.Transact([&](store::Transaction& transaction) -> absl::Status {
+    MORTISE_ASSIGN_OR_RETURN(map, kMaps.Get(transaction, name));
+    *map.mutable_verification() = verification;
+    *map.mutable_verification()->mutable_create_time() =
+        google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+            absl::ToUnixMicros(transaction.Now()));
+    MORTISE_ASSIGN_OR_RETURN(const std::string id, ParseResourceName(name, kMaps.names, "name"));
+    MORTISE_RETURN_IF_ERROR(transaction.Put(kMaps.kind, id, map.SerializeAsString()).status());
+    return transaction.AppendEvent(
+        {.type = "map.updated", .subject = name, .payload = "{}", .trace_id = CurrentTraceId()});
+  }));
+  return map;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environment,
+                                               LoadedMaps& loaded,
+                                               operations::OperationContext& context) {
+  v1::VerifyMapRequest request;
+  if (!request.ParseFromString(context.request())) {
+    return StorageFailed(context.name(), "the stored request cannot be read");
+  }
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map, loaded.Get(request.name()));
+  if (request.points().empty()) {
+    const int count = request.random_points() == 0 ? kDefaultVerified : request.random_points();
+    *request.mutable_points() =
+        RandomPoints(map->record, count, static_cast<std::uint64_t>(request.seed()));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const MapPoints points,
+                           ReadPoints(map->record, request.points(), kMaxVerified));
+  MORTISE_ASSIGN_OR_RETURN(const auto evaluator,
+                           MapEvaluator::Create(environment, map->record.specification()));
+  const std::stop_callback interrupt(context.stop_token(), [&] { evaluator->Interrupt(); });
+  MORTISE_ASSIGN_OR_RETURN(const auto described, evaluator->Describe(context.stop_token()));
+  MORTISE_ASSIGN_OR_RETURN(const MapPlan plan, MakePlan(map->record.specification(), *described));
+  std::vector<Eigen::VectorXd> designs;
+  for (const auto& point : points.points.colwise()) designs.push_back(plan.DesignOf(point));
+  context.ReportProgress({.done = 0, .total = static_cast<std::int64_t>(designs.size())});
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<DesignAnswer> answers, evaluator->Evaluate(designs));
+  v1::EvaluateMapRequest asked;
+  *asked.mutable_points() = request.points();
+  MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse mapped, Evaluate(*map, asked));
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::DesignMap verified,
+      Store(context, request.name(),
+            ToMessage(mapped, Compare(mapped, answers), designs.size(), request.seed())));
+  return rpc::PackResult(verified);
+}
+
+}  // namespace mortise::interpolator

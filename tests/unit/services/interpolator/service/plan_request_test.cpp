@@ -1,0 +1,116 @@
+// Plans of maps: what varies, what is fixed, which structures there are. What is refused by name is
+// in tests/integration/services/interpolator/map_refusals_test.cpp.
+#include "services/interpolator/service/plan_request.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/base/errors.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/interpolator.pb.h"
+
+namespace mortise::interpolator {
+namespace {
+
+// Numbers a, b, ... in [0, 1] with default 0.25, then a whole number and a choice.
+v1::DesignSpace SpaceOf(int numbers) {
+  v1::DesignSpace space;
+  for (int i = 0; i < numbers; ++i) {
+    auto& parameter = *space.add_parameters();
+    parameter.set_name(std::string(1, static_cast<char>('a' + i)));
+    parameter.set_maximum(1);
+    parameter.set_default_value(0.25);
+  }
+  auto& shelves = *space.add_parameters();
+  shelves.set_name("shelves");
+  shelves.set_minimum(2);
+  shelves.set_maximum(5);
+  shelves.set_default_value(3);
+  shelves.set_step(1);
+  auto& wood = *space.add_parameters();
+  wood.set_name("wood");
+  wood.set_maximum(1);
+  wood.set_step(1);
+  for (const char* name : {"oak", "birch"}) wood.add_choices(name);
+  space.add_metrics()->set_name("mass");
+  space.mutable_metrics(0)->set_unit("kg");
+  return space;
+}
+
+v1::MapSpecification SpecificationOf(int evaluations = 500) {
+  v1::MapSpecification specification;
+  specification.set_subject("templates/shelf");
+  specification.add_metrics()->set_name("mass");
+  specification.set_evaluations(evaluations);
+  return specification;
+}
+
+TEST(PlanRequestTest, VariesAllNumbersThatAreNotFixed) {
+  v1::MapSpecification specification = SpecificationOf();
+  auto& fixed = *specification.add_fixed();
+  fixed.set_name("b");
+  fixed.set_value(0.75);
+  const auto plan = MakePlan(specification, SpaceOf(3));
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  ASSERT_EQ(plan->parameters.size(), 2u);
+  EXPECT_EQ(plan->parameters[0].name, "a");
+  EXPECT_EQ(plan->parameters[1].name, "c");
+  EXPECT_EQ(plan->structures.cols(), 1);
+  Eigen::VectorXd base(5);
+  base << 0.25, 0.75, 0.25, 3, 0;
+  EXPECT_EQ(plan->base, base);
+  EXPECT_EQ(plan->metrics[0].unit, "kg");
+}
+
+TEST(PlanRequestTest, CombinesWholeNumbersAndChoices) {
+  v1::MapSpecification specification = SpecificationOf();
+  auto& wood = *specification.add_variations();
+  wood.set_parameter("wood");
+  auto& shelves = *specification.add_variations();
+  shelves.set_parameter("shelves");
+  shelves.set_minimum(4);
+  specification.add_variations()->set_parameter("b");
+  const auto plan = MakePlan(specification, SpaceOf(2));
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  // In the order of the subject, whatever that of the request.
+  ASSERT_EQ(plan->parameters.size(), 3u);
+  EXPECT_EQ(plan->parameters[0].name, "b");
+  Eigen::MatrixXd structures(2, 4);
+  structures << 4, 4, 5, 5, 0, 1, 0, 1;
+  EXPECT_EQ(plan->structures, structures);
+}
+
+TEST(PlanRequestTest, RefusesMoreNumbersThanMapsCanHave) {
+  const absl::Status many = MakePlan(SpecificationOf(), SpaceOf(7)).status();
+  EXPECT_EQ(DetailOf(many).field, "specification.variations");
+  EXPECT_TRUE(MakePlan(SpecificationOf(), SpaceOf(6)).ok());
+  v1::MapSpecification cubic = SpecificationOf();
+  cubic.set_basis(v1::MapSpecification::CUBIC);
+  EXPECT_TRUE(MakePlan(cubic, SpaceOf(5)).ok());
+  EXPECT_EQ(DetailOf(MakePlan(cubic, SpaceOf(6)).status()).field, "specification.basis");
+}
+
+TEST(PlanRequestTest, WantsEvaluationsForEveryCorner) {
+  const absl::Status few = MakePlan(SpecificationOf(65), SpaceOf(6)).status();
+  EXPECT_EQ(DetailOf(few).field, "specification.evaluations");
+  EXPECT_TRUE(MakePlan(SpecificationOf(66), SpaceOf(6)).ok());
+}
+
+TEST(PlanRequestTest, AsksTheEvaluatorAsTheMapIsAskedFor) {
+  v1::MapSpecification specification = SpecificationOf();
+  specification.set_revision(4);
+  specification.mutable_mesh()->set_element_size(0.1);
+  specification.mutable_metric_definitions()->add_expressions()->set_name("mass");
+  const v1::EvaluateBatchRequest question = QuestionOf(specification);
+  EXPECT_EQ(question.subject(), "templates/shelf");
+  EXPECT_EQ(question.revision(), 4);
+  EXPECT_EQ(question.metrics(0), "mass");
+  EXPECT_EQ(question.mesh().element_size(), 0.1);
+  EXPECT_FALSE(question.has_airflow());
+  EXPECT_EQ(question.metric_definitions().expressions_size(), 1);
+  EXPECT_EQ(DescriptionOf(specification).metric_definitions().expressions_size(), 1);
+}
+
+}  // namespace
+}  // namespace mortise::interpolator
