@@ -12,6 +12,7 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/fabplanner.pb.h"
 #include "mortise/v1/gateway.pb.h"
+#include "mortise/v1/interpolator.pb.h"
 #include "mortise/v1/operations.pb.h"
 #include "mortise/v1/pareto.pb.h"
 #include "mortise/v1/simulator.pb.h"
@@ -25,10 +26,16 @@ using google::protobuf::FileDescriptor;
 using google::protobuf::MethodDescriptor;
 using google::protobuf::ServiceDescriptor;
 
-// The methods of a kind stand in the service that lists it.
+// The methods of a kind stand in the service that lists it, and are named after its message or, as
+// those of DesignMap, after the last word of that.
 const MethodDescriptor* MethodCalled(const ResourceKind& kind, const std::string& verb) {
   const std::string& resource = EntriesField(kind).message_type()->name();
-  return ListMethod(kind).service()->FindMethodByName(verb + resource);
+  const ServiceDescriptor& service = *ListMethod(kind).service();
+  const MethodDescriptor* const method = service.FindMethodByName(verb + resource);
+  if (method != nullptr) return method;
+  std::size_t last = resource.size();
+  while (last > 0 && !absl::ascii_isupper(static_cast<unsigned char>(resource[last]))) --last;
+  return service.FindMethodByName(verb + resource.substr(last));
 }
 
 // "work-orders" and "workOrders" are one word.
@@ -50,6 +57,7 @@ const std::vector<ResourceKind>& ResourceKinds() {
       {"templates", &v1::ListTemplatesRequest::descriptor, "title"},
       {"evaluators", &v1::ListEvaluatorsRequest::descriptor, "title"},
       {"analyses", &v1::ListAnalysesRequest::descriptor, "template"},
+      {"maps", &v1::ListMapsRequest::descriptor, "specification.subject"},
       {"fronts", &v1::ListFrontsRequest::descriptor, "specification.subject"},
       {"plans", &v1::ListPlansRequest::descriptor, "template"},
       {"workOrders", &v1::ListWorkOrdersRequest::descriptor, "plan"},

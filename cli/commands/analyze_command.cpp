@@ -13,6 +13,7 @@
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
+#include "cli/files/evaluation_flags.h"
 #include "cli/files/mesh_analysis.h"
 #include "cli/files/metric_definitions.h"
 #include "cli/files/metric_evaluation.h"
@@ -34,13 +35,9 @@ struct AnalyzeOptions {
   MetricDefinitionFlags own;
   bool gradients = false;
   double difference_step = kDifferenceStep;
-  std::string element_size;
-  double relative_error = 0;
-  bool linear = false;
-  std::string solver;  // "direct", "iterative" or empty
+  EvaluationFlags evaluation;  // with wind, the air around the design besides
+  std::string solver;          // "direct", "iterative" or empty
   int modes = 0;
-  std::string wind;            // with it, the air around the design besides
-  int air_cells = 0;           // likewise
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   TagOptions tags;
   std::filesystem::path out;
@@ -69,10 +66,8 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 }
 
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
-  if (!options.parameters.empty() || !options.element_size.empty() || options.linear ||
-      options.relative_error != 0 || !options.metrics.empty() || !options.own.define.empty() ||
-      !options.own.point.empty() || options.gradients || !options.wind.empty() ||
-      options.air_cells != 0) {
+  if (!options.parameters.empty() || options.evaluation.any() || !options.metrics.empty() ||
+      !options.own.define.empty() || !options.own.point.empty() || options.gradients) {
     return InvalidField(
         "--mesh",
         "is a mesh already: --set, --metric, --define, --point, --gradients, --element-size, "
@@ -158,16 +153,6 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   return absl::OkStatus();
 }
 
-// The air, if any flag speaks of it.
-absl::Status ReadAirflow(const AnalyzeOptions& options, v1::AnalyzeDesignRequest& request) {
-  if (!options.wind.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(*request.mutable_airflow()->mutable_wind(),
-                             ParseVector(options.wind, "--wind"));
-  }
-  if (options.air_cells != 0) request.mutable_airflow()->set_cells(options.air_cells);
-  return absl::OkStatus();
-}
-
 void PrintAirflow(const v1::Analysis& analysis, const Output& output) {
   if (!analysis.has_airflow()) return;
   const v1::AirflowResult& airflow = analysis.airflow();
@@ -187,16 +172,11 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.set_template_(ResourceName("templates", options.subject));
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
-  if (!options.element_size.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const double size,
-                             ParseQuantity(options.element_size, "--element-size"));
-    request.mutable_mesh()->set_element_size(size);
-  }
-  request.mutable_mesh()->set_relative_error(options.relative_error);
-  if (options.linear) request.mutable_mesh()->set_linear(true);
+  MORTISE_ASSIGN_OR_RETURN(*request.mutable_mesh(), MeshOf(options.evaluation));
   request.set_modes(options.modes);
   request.set_solver(SolverOf(options));
-  MORTISE_RETURN_IF_ERROR(ReadAirflow(options, request));
+  MORTISE_ASSIGN_OR_RETURN(const auto airflow, AirflowOf(options.evaluation));
+  if (airflow) *request.mutable_airflow() = *airflow;
   MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
@@ -240,24 +220,15 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
 
 // Declares how a design or a mesh is solved, and where files go.
 void AddSolvingFlags(CommandFlags& flags, AnalyzeOptions& options) {
-  flags.Add("--element-size", options.element_size, "Edge length of the tetrahedra",
-            "mesh.element_size");
-  flags.Add("--relative-error", options.relative_error,
-            "Refine until the estimated error is at most this, such as 0.05",
-            "mesh.relative_error");
+  AddEvaluationFlags(flags, options.evaluation, "",
+                     "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
+                     "(m/s), such as \"-10, 0, 0\"");
   flags.Add("--modes", options.modes, "How many natural frequencies besides, up to 100", "modes");
   flags
       .Add("--solver", options.solver,
            "How load cases are solved: direct, by one factor for all, or iterative; by default "
            "whichever should be sooner")
       ->check(CLI::IsMember({"direct", "iterative"}));
-  flags.Add("--wind", options.wind,
-            "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" (m/s), "
-            "such as \"-10, 0, 0\"",
-            "airflow.wind");
-  flags.Add("--air-cells", options.air_cells,
-            "About how many cells of air to compute with, 30000 if not given", "airflow.cells");
-  flags.command().add_flag("--linear", options.linear, "Tetrahedra of 4 nodes instead of 10");
   flags.Add("--mesh", options.mesh,
             "Mesh of the case: Gmsh (MSH 2.2, 4.1), Abaqus or CalculiX (.inp)");
   flags.Add("--out", options.out, "Folder for pictures (PNG), fields (VTU) and probes (CSV)");

@@ -52,6 +52,7 @@ void BuildCommandLine(CLI::App& app, Session& session) {
   AddAssemblyCommands(app, session);
   AddAnalyzeCommand(app, session);
   AddParetoCommands(app, session);
+  AddMapCommands(app, session);
   AddPlanCommand(app, session);
   AddFabCommands(app, session);
   AddListCommand(app, session);

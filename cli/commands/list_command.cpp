@@ -67,7 +67,8 @@ void AddListOf(CLI::App& list, const std::string& kind, Session& session) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   list.footer(kind.empty() ? "Example: mortise list fronts --label customer=acme --since 7d"
-                           : "Example: mortise fab list --state in-progress --state held");
+              : kind == "workOrders" ? "Example: mortise fab list --state in-progress --state held"
+                                     : "Example: mortise map list --subject templates/table");
   flags.Run(session, [options](Session& s, Output& o) { return List(*options, s, o); });
 }
 

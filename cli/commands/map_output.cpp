@@ -1,0 +1,172 @@
+#include "cli/commands/map_output.h"
+
+#include <cstddef>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "cli/client/requests.h"
+#include "cli/files/map_points.h"
+
+namespace mortise::cli {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string Text(const std::string& unit, double value) {
+  return MetricText(MetricOf(unit, value));
+}
+
+const v1::MapParameter* FindParameter(const v1::DesignMap& map, const std::string& name) {
+  for (const v1::MapParameter& parameter : map.parameters()) {
+    if (parameter.name() == name) return &parameter;
+  }
+  return nullptr;
+}
+
+// "length 1.4, material oak".
+std::string ValuesText(const v1::DesignMap& map,
+                       const google::protobuf::RepeatedPtrField<v1::ParameterValue>& values) {
+  return absl::StrJoin(values, ", ", [&](std::string* out, const v1::ParameterValue& value) {
+    const v1::MapParameter* const parameter = FindParameter(map, value.name());
+    absl::StrAppend(out, value.name(), " ",
+                    parameter == nullptr ? absl::StrFormat("%.6g", value.value())
+                                         : ParameterText(*parameter, value.value()));
+  });
+}
+
+void PrintParameters(const v1::DesignMap& map, const Output& output) {
+  Rows rows;
+  for (const v1::MapParameter& parameter : map.parameters()) {
+    rows.push_back({parameter.name(), RangeText(parameter)});
+  }
+  output.Table({"parameter", "values"}, rows);
+  if (!map.fixed().empty()) output.Line("  fixed: " + ValuesText(map, map.fixed()));
+}
+
+void PrintMetrics(const v1::DesignMap& map, const Output& output) {
+  Rows rows;
+  for (const v1::MapMetric& metric : map.metrics()) {
+    rows.push_back({metric.name(), Text(metric.unit(), metric.minimum()),
+                    Text(metric.unit(), metric.maximum()),
+                    Text(metric.unit(), metric.largest_error()),
+                    Text(metric.unit(), metric.mean_error())});
+  }
+  output.Table({"metric", "from", "to", "off at most", "off in the mean"}, rows);
+}
+
+void PrintStructures(const v1::DesignMap& map, const Output& output) {
+  if (map.structures_size() < 2) return;
+  Rows rows;
+  for (const v1::MapStructure& structure : map.structures()) {
+    rows.push_back({ValuesText(map, structure.values()), absl::StrCat(structure.samples()),
+                    absl::StrCat(structure.probes()), absl::StrCat(structure.elements()),
+                    absl::StrCat(structure.cut_off_elements()),
+                    absl::AsciiStrToLower(structure.stop_reason())});
+  }
+  output.Table({"structure", "samples", "probes", "elements", "cut off", "stopped by"}, rows);
+}
+
+void PrintFailures(const v1::DesignMap& map, const Output& output) {
+  for (const v1::MapFailure& failure : map.failures()) {
+    std::vector<std::string> design;
+    for (int i = 0; i < failure.parameters_size() && i < map.parameters_size(); ++i) {
+      const v1::MapParameter& parameter = map.parameters(i);
+      design.push_back(
+          absl::StrCat(parameter.name(), " ", ParameterText(parameter, failure.parameters(i))));
+    }
+    output.Line(absl::StrFormat("  %d failed with %s, such as at %s: %s", failure.count(),
+                                failure.reason(), absl::StrJoin(design, ", "), failure.message()));
+  }
+  if (map.cut_off_elements() > 0) {
+    output.Line(absl::StrFormat("  %d of %d elements have no values, as evaluations failed there",
+                                map.cut_off_elements(), map.elements()));
+  }
+}
+
+void PrintGradients(const v1::DesignMap& map, const v1::EvaluateMapResponse& answer,
+                    const Output& output) {
+  const std::size_t metrics = static_cast<std::size_t>(answer.metrics_size());
+  const std::size_t parameters = static_cast<std::size_t>(map.parameters_size());
+  Rows rows;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(answer.gradients_size()); ++k) {
+    const int metric = static_cast<int>(k / parameters % metrics);
+    const v1::MapParameter& parameter = map.parameters(static_cast<int>(k % parameters));
+    rows.push_back(
+        {absl::StrCat(k / parameters / metrics + 1), answer.metrics(metric), parameter.name(),
+         absl::StrFormat("%.5g %s per %s", answer.gradients(static_cast<int>(k)),
+                         answer.units(metric), parameter.unit().empty() ? "1" : parameter.unit())});
+  }
+  if (!rows.empty()) output.Table({"point", "metric", "parameter", "gradient"}, rows);
+}
+
+}  // namespace
+
+void PrintMap(const v1::DesignMap& map, const Output& output) {
+  output.Line(absl::StrFormat(
+      "%s of %s at revision %d: %d samples and %d probes (%d failed), %d elements, stopped by %s",
+      map.name(), map.specification().subject(), map.specification().revision(), map.samples(),
+      map.probes(), map.failed_evaluations(), map.elements(),
+      absl::AsciiStrToLower(map.stop_reason())));
+  if (map.stale()) output.Line("  its subject has a newer revision by now, or is gone");
+  PrintParameters(map, output);
+  PrintMetrics(map, output);
+  PrintStructures(map, output);
+  PrintFailures(map, output);
+  PrintVerification(map, output);
+}
+
+void PrintVerification(const v1::DesignMap& map, const Output& output) {
+  if (!map.has_verification()) return;
+  const v1::MapVerification& verification = map.verification();
+  output.Line(absl::StrFormat("verified at %d designs (%d failed, %d without values in the map)",
+                              verification.points(), verification.failed(),
+                              verification.uncovered()));
+  Rows rows;
+  for (const v1::MapVerification::Difference& difference : verification.differences()) {
+    std::string unit;
+    for (const v1::MapMetric& metric : map.metrics()) {
+      if (metric.name() == difference.metric()) unit = metric.unit();
+    }
+    rows.push_back({difference.metric(), Text(unit, difference.largest()),
+                    Text(unit, difference.largest_99()), Text(unit, difference.mean())});
+  }
+  if (!rows.empty()) output.Table({"metric", "off at most", "99 of 100", "in the mean"}, rows);
+}
+
+void PrintPoints(const v1::DesignMap& map, const std::vector<double>& points,
+                 const v1::EvaluateMapResponse& answer, const Output& output) {
+  const std::set<int> uncovered(answer.uncovered().begin(), answer.uncovered().end());
+  const std::size_t parameters = static_cast<std::size_t>(map.parameters_size());
+  std::vector<std::string> titles = {"point"};
+  for (const v1::MapParameter& parameter : map.parameters()) titles.push_back(parameter.name());
+  titles.insert(titles.end(), answer.metrics().begin(), answer.metrics().end());
+  Rows rows;
+  for (std::size_t i = 0; i < points.size() / parameters; ++i) {
+    const int point = static_cast<int>(i);
+    std::vector<std::string>& row = rows.emplace_back();
+    row.push_back(absl::StrCat(point + 1));
+    for (std::size_t k = 0; k < parameters; ++k) {
+      row.push_back(ParameterText(map.parameters(static_cast<int>(k)), points[i * parameters + k]));
+    }
+    for (int k = 0; k < answer.metrics_size(); ++k) {
+      const int at = point * answer.metrics_size() + k;
+      row.push_back(uncovered.count(point) > 0
+                        ? "none"
+                        : absl::StrCat(Text(answer.units(k), answer.values(at)), " ± ",
+                                       Text(answer.units(k), answer.errors(at))));
+    }
+  }
+  output.Table(titles, rows);
+  if (!uncovered.empty()) {
+    output.Line(
+        absl::StrCat(uncovered.size(), " without values: they lie where evaluations failed"));
+  }
+  PrintGradients(map, answer, output);
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,21 @@
+// Maps as people read them.
+#pragma once
+
+#include "cli/client/output.h"
+#include "mortise/v1/interpolator.pb.h"
+
+namespace mortise::cli {
+
+// Prints what a map is of, how good it is, and why designs failed.
+void PrintMap(const v1::DesignMap& map, const Output& output);
+
+// Prints how far the map was off designs that were evaluated for it; nothing before it was
+// verified.
+void PrintVerification(const v1::DesignMap& map, const Output& output);
+
+// Prints a row for each of the points (points x parameters), with how far each value may be off,
+// and below a table of the gradients, if there are any.
+void PrintPoints(const v1::DesignMap& map, const std::vector<double>& points,
+                 const v1::EvaluateMapResponse& answer, const Output& output);
+
+}  // namespace mortise::cli
