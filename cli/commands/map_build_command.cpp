@@ -7,13 +7,13 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "cli/client/assignment.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
@@ -48,16 +48,6 @@ struct BuildOptions {
   TagOptions tags;
   bool detach = false;
 };
-
-// "NAME=VALUE" in two.
-absl::StatusOr<std::pair<std::string, std::string>> SplitAssignment(const std::string& text,
-                                                                    const std::string& option) {
-  const std::vector<std::string> halves = absl::StrSplit(text, absl::MaxSplits('=', 1));
-  if (halves.size() == 2 && !halves[0].empty() && !halves[1].empty()) {
-    return std::pair(halves[0], halves[1]);
-  }
-  return InvalidField(option, absl::StrCat("'", text, "' is not of the form NAME=VALUE"));
-}
 
 // "NAME", "NAME=LOW:HIGH" (or LOW..HIGH), or of a choice "NAME=CHOICE,CHOICE".
 absl::Status AddVariation(const std::string& text, v1::MapSpecification::Variation& variation) {

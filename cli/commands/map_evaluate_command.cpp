@@ -57,7 +57,9 @@ absl::StatusOr<v1::EvaluateMapResponse> EvaluateAll(const v1::DesignMap& map,
   const auto stub = v1::InterpolatorService::NewStub(client.channel());
   const auto parameters = static_cast<std::size_t>(map.parameters_size());
   const auto metrics = static_cast<std::size_t>(map.metrics_size());
-  const std::size_t numbers = std::max(parameters, metrics * (options.gradients ? parameters : 1));
+  // Values, errors and gradients.
+  const std::size_t numbers =
+      std::max(parameters, metrics * (2 + (options.gradients ? parameters : 0)));
   const std::size_t most = std::clamp<std::size_t>(kMostNumbers / numbers, 1, kMostPoints);
   v1::EvaluateMapResponse whole;
   for (std::size_t first = 0; first < points.size(); first += most * parameters) {

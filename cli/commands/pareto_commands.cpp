@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "cli/client/assignment.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
@@ -48,16 +49,6 @@ struct RunOptions {
 bool IsFile(const RunOptions& options) { return LowerCaseExtension(options.subject) == ".json"; }
 
 using Bound = v1::DiscoverySpecification::Bound;
-
-// "NAME=VALUE" as the name of a choice: one that is no number.
-absl::StatusOr<std::pair<std::string, std::string>> SplitAssignment(const std::string& text,
-                                                                    const std::string& option) {
-  const std::size_t split = text.find('=');
-  if (split == std::string::npos || split == 0 || split + 1 == text.size()) {
-    return InvalidField(option, absl::StrCat("'", text, "' is not of the form NAME=VALUE"));
-  }
-  return std::pair(text.substr(0, split), text.substr(split + 1));
-}
 
 // A number, or the name of a choice.
 absl::Status AddFixed(const std::string& text, Bound& bound) {
