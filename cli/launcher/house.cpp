@@ -170,16 +170,16 @@ absl::Status AddVirtualCell(const HouseOptions& options, HousePlan& plan) {
 }  // namespace
 
 const std::vector<std::string>& HouseServices() {
-  static const std::vector<std::string> services = {"catalog",    "simulator", "pareto",
-                                                    "fabplanner", "retrieval", "composer"};
+  static const std::vector<std::string> services = {
+      "catalog", "simulator", "pareto", "fabplanner", "retrieval", "composer", "interpolator"};
   return services;
 }
 
 int UsualPort(const std::string& listener) {
   static const std::map<std::string, int> ports = {
-      {"gateway", 7700},     {"catalog", 7701},      {"simulator", 7702}, {"pareto", 7703},
-      {"fabplanner", 7704},  {"retrieval", 7705},    {"composer", 7707},  {"gateway-http", 7780},
-      {"bus-publish", 7790}, {"bus-subscribe", 7791}};
+      {"gateway", 7700},      {"catalog", 7701},     {"simulator", 7702},    {"pareto", 7703},
+      {"fabplanner", 7704},   {"retrieval", 7705},   {"interpolator", 7706}, {"composer", 7707},
+      {"gateway-http", 7780}, {"bus-publish", 7790}, {"bus-subscribe", 7791}};
   const auto found = ports.find(listener);
   return found == ports.end() ? 0 : found->second;
 }
@@ -238,7 +238,7 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
     HouseProcess service = Service(options, name, addresses[i], "tcp://" + bus_publish);
     if (name == "catalog") Add(service, {"--collection", options.collection.string()});
     if (name != "catalog") Add(service, {"--peer", catalog});
-    if (name == "pareto") Add(service, {"--peer", simulator});
+    if (name == "pareto" || name == "interpolator") Add(service, {"--peer", simulator});
     plan.processes.push_back(std::move(service));
   }
   AddWorkers(options, catalog, simulator, plan);

@@ -70,7 +70,7 @@ std::unique_ptr<BackgroundCommand> HouseTest::house_;
 
 TEST_F(HouseTest, StatusNamesEveryProcess) {
   const Json status = Ask({"status", "--state", State()});
-  EXPECT_EQ(status["processes"].size(), 8u);
+  EXPECT_EQ(status["processes"].size(), 9u);
 }
 
 TEST_F(HouseTest, CatalogIsFilledWithTheCollection) {

@@ -143,7 +143,7 @@ TEST_F(PodsTest, WorkTogetherAndEndWell) {
   const Json document = Json::parse(analysis.out, nullptr, false);
   EXPECT_LT(document["total_load"]["z"].get<double>(), 0);
   for (const char* pod : {"simulator-worker", "retrieval-worker", "gateway", "pareto", "fabplanner",
-                          "retrieval", "composer", "simulator", "catalog"}) {
+                          "retrieval", "interpolator", "composer", "simulator", "catalog"}) {
     EXPECT_EQ(pods_.at(pod)->End(SIGTERM), 0) << pod;
   }
 }

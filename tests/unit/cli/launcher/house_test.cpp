@@ -58,10 +58,10 @@ std::set<std::string> Names(const HousePlan& plan) {
 
 TEST(PlanHouse, HasTheGatewayEveryServiceAndTheWorkers) {
   const HousePlan plan = PlanHouse(Development()).value();
-  EXPECT_THAT(Names(plan),
-              testing::UnorderedElementsAre(
-                  "gateway", "catalog", "simulator", "pareto", "fabplanner", "retrieval",
-                  "composer", "simulator-worker-1", "simulator-worker-2", "simulator-worker-3"));
+  EXPECT_THAT(Names(plan), testing::UnorderedElementsAre(
+                               "gateway", "catalog", "simulator", "pareto", "fabplanner",
+                               "retrieval", "interpolator", "composer", "simulator-worker-1",
+                               "simulator-worker-2", "simulator-worker-3"));
 }
 
 TEST(PlanHouse, AddsRetrievalWorkersThatKnowTheirServices) {
