@@ -51,6 +51,7 @@ absl::Status CheckSpline(const RefinementTree& tree, const BSpline& spline) {
         return Broken(absl::StrCat("a B-spline of level ", spline.level,
                                    " is too large for element ", element, " (Remark 1)"));
       }
+      if (tree.basis() != Basis::kLinear) continue;
       if (local.numerator[d] < box.low[d] * local.denominator ||
           local.numerator[d] > box.high[d] * local.denominator) {
         return Broken(absl::StrCat("a B-spline of level ", spline.level,
@@ -59,6 +60,35 @@ absl::Status CheckSpline(const RefinementTree& tree, const BSpline& spline) {
     }
   }
   return absl::OkStatus();
+}
+
+// Remark 6: α and y are those that the refined parents give. Counted anew here, in whole parts.
+absl::Status CheckParents(const RefinementTree& tree, const BSpline& spline) {
+  if (spline.level == 0) return absl::OkStatus();
+  constexpr std::int64_t kParts[2][5] = {{1, 2, 1}, {1, 4, 6, 4, 1}};
+  const int reach = ReachOf(tree.basis());
+  const std::int32_t half = SpacingOf(spline.level);
+  LatticeBox places;
+  LatticePoint step{};
+  step.fill(half);
+  for (int d = 0; d < tree.dimension(); ++d) {
+    places.low[d] = spline.centre[d] - reach * half;
+    places.high[d] = spline.centre[d] + reach * half;
+  }
+  BSpline sum;
+  ForEachGridPoint(tree.dimension(), places, step, [&](const LatticePoint& centre) {
+    const int parent = tree.splines().Find(spline.level - 1, centre);
+    if (parent < 0 || tree.splines().At(parent).active) return;
+    std::int64_t part = 1;
+    for (int d = 0; d < tree.dimension(); ++d) {
+      part *= kParts[reach - 1][(spline.centre[d] - centre[d]) / half + reach];
+    }
+    sum.weight += part;
+    for (int d = 0; d < tree.dimension(); ++d) sum.moment[d] += part * centre[d];
+  });
+  if (sum.weight == spline.weight && sum.moment == spline.moment) return absl::OkStatus();
+  return Broken(absl::StrCat("a B-spline of level ", spline.level,
+                             " is not the sum over its refined parents (Remark 6)"));
 }
 
 absl::Status CheckSplines(const RefinementTree& tree) {
@@ -73,6 +103,8 @@ absl::Status CheckSplines(const RefinementTree& tree) {
       continue;
     }
     if (absl::Status status = CheckSpline(tree, spline); !status.ok()) return status;
+    if (absl::Status status = CheckParents(tree, spline); !status.ok()) return status;
+    if (tree.basis() != Basis::kLinear) continue;
     for (const SampleWeight& part : tree.Allocation(spline)) {
       if (part.sample < 0) return Broken("a corner of a common cuboid is not a sample");
     }
@@ -97,6 +129,7 @@ absl::Status CheckSamples(const RefinementTree& tree, double tolerance) {
 
 absl::Status CheckInvariants(const RefinementTree& tree, int points, double tolerance) {
   if (absl::Status status = CheckSplines(tree); !status.ok()) return status;
+  if (tree.basis() != Basis::kLinear) return absl::OkStatus();
   if (absl::Status status = CheckSamples(tree, tolerance); !status.ok()) return status;
   Random random(static_cast<std::uint64_t>(tree.sample_count()));
   for (const int element : tree.Elements()) {

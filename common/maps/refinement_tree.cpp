@@ -11,7 +11,7 @@ namespace mortise::maps {
 namespace {
 
 constexpr int kMostDepth = kLatticeLevels - 2;
-constexpr int kMostCubicDirections = 6;
+constexpr int kMostCubicDirections = 5;
 
 // Visits the active B-splines that are not zero at a point, with their values and slopes.
 class ActiveAt {
@@ -85,7 +85,6 @@ absl::StatusOr<RefinementTree> RefinementTree::Create(int dimension, Basis basis
   if (dimension < 1 || dimension > most) {
     return InvalidField("dimension", absl::StrCat("is ", dimension, ", not 1 to ", most));
   }
-  if (basis == Basis::kCubic) return NotBuilt("maps of cubic B-splines");
   if (options.most_depth < 1 || options.most_depth > kMostDepth) {
     return InvalidField("options.most_depth", absl::StrCat("is not 1 to ", kMostDepth));
   }
@@ -246,6 +245,7 @@ std::vector<SampleWeight> RefinementTree::Allocation(const BSpline& spline) cons
 }
 
 PointWeights RefinementTree::Weights(const Eigen::Ref<const Eigen::VectorXd>& point) const {
+  if (basis_ != Basis::kLinear) return {};
   const Eigen::VectorXd inside = point.cwiseMax(0).cwiseMin(1);
   const int element = elements_.Locate(inside.data());
   std::map<int, std::pair<double, Eigen::VectorXd>> sums;

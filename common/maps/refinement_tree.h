@@ -11,7 +11,15 @@
 //  - locality: ψ_k vanishes on all elements that do not touch sample k;
 //  - value at samples: P(x_k) = p_k;
 //  - continuity everywhere, across T-junctions, too.
-// Basis::kCubic is refused (UNIMPLEMENTED) as yet.
+// Basis::kCubic has the same elements, samples and refinement. Its coefficients come from local
+// models (coefficients.h), and InterpolationMap evaluates it. What holds, whatever the splits:
+//  - partition of unity and linear precision, to rounding;
+//  - it is twice continuously differentiable in the whole box;
+//  - a sample acts only on elements that are at most four steps from one neighbour to the next
+//  away from
+//    one that it touches.
+// It does not take its samples' values exactly: its error there is of the order of its error
+// elsewhere.
 //
 // Two things differ from Algorithm 1 as printed. A B-spline takes its value from the corners of the
 // common cuboid R around its local point y in the present tree, not only when it violates locality.
@@ -77,7 +85,7 @@ struct ElementBox {
 class RefinementTree {
  public:
   // A tree of one element, its 2^K corners are samples 0 … 2^K - 1. INVALID_ARGUMENT, field
-  // `dimension`, `basis` or `options.…`: dimensions are 1 to 10 (cubic: 1 to 6).
+  // `dimension`, `basis` or `options.…`: dimensions are 1 to 10 (cubic: 1 to 5).
   static absl::StatusOr<RefinementTree> Create(int dimension, Basis basis,
                                                const RefinementOptions& options = {});
 
@@ -127,7 +135,8 @@ class RefinementTree {
   // Returns the numbers of the new samples. INVALID_ARGUMENT, field `element` or `direction`.
   absl::StatusOr<std::vector<int>> Split(int element, int direction);
 
-  // ψ_k(x) for a point of the unit box (coordinates outside of it are taken to its faces).
+  // ψ_k(x) for a point of the unit box (coordinates outside of it are taken to its faces). Of the
+  // linear basis; nothing for the cubic one.
   PointWeights Weights(const Eigen::Ref<const Eigen::VectorXd>& point) const;
 
   // The active B-splines and the samples that each takes its value from: its coefficient is
@@ -152,10 +161,10 @@ class RefinementTree {
   std::vector<ElementSplit> history_;
 };
 
-// Checks unity, linear precision, locality and value at samples of a linear map exactly enough to
-// `tolerance`, at every sample, at `points` seeded points of each element and on both sides of its
-// faces, and Remarks 1, 6 and 7 of appendix A for every active B-spline. INTERNAL: says what is
-// broken and where.
+// Checks unity, linear precision, locality and value at samples of a linear tree to
+// `tolerance`, at every sample and at `points` seeded points of each element, and exactly, for
+// every B-spline, Remarks 1, 2, 6 and 7 of appendix A and that its local point is one. Of a cubic
+// tree: the Remarks alone. INTERNAL: says what is broken and where.
 absl::Status CheckInvariants(const RefinementTree& tree, int points = 2, double tolerance = 1e-12);
 
 }  // namespace mortise::maps

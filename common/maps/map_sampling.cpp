@@ -1,0 +1,191 @@
+#include "common/maps/map_sampling.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/maps/sampling_state.h"
+
+namespace mortise::maps {
+namespace {
+
+absl::Status CheckPerOutput(const std::vector<double>& numbers, int outputs, const char* field) {
+  if (!numbers.empty() && static_cast<int>(numbers.size()) != outputs) {
+    return InvalidField(field,
+                        absl::StrCat("has ", numbers.size(), " numbers for ", outputs, " outputs"));
+  }
+  for (const double number : numbers) {
+    if (!std::isfinite(number) || number < 0)
+      return InvalidField(field, "is negative or not finite");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckOptions(int dimension, int outputs, const MapSamplingOptions& options) {
+  if (outputs < 1) return InvalidField("outputs", "is less than 1");
+  const int least = (1 << dimension) + 2;
+  if (options.budget < least) {
+    return InvalidField("options.budget",
+                        absl::StrCat("is ", options.budget, ", but the corners of a box of ",
+                                     dimension, " directions and two probes are ", least));
+  }
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0) {
+    return InvalidField("options.tolerance", "is negative or not finite");
+  }
+  if (options.round_points < 1) return InvalidField("options.round_points", "is less than 1");
+  if (options.cut_off_depth < 0) return InvalidField("options.cut_off_depth", "is negative");
+  if (absl::Status status = CheckPerOutput(options.noise_floor, outputs, "options.noise_floor");
+      !status.ok()) {
+    return status;
+  }
+  return CheckPerOutput(options.scale, outputs, "options.scale");
+}
+
+absl::Status CheckCheckpoint(const MapSamplingCheckpoint& checkpoint, int outputs) {
+  const std::size_t count = checkpoint.numbers.size();
+  if (checkpoint.failures.size() != count ||
+      checkpoint.values.cols() != static_cast<Eigen::Index>(count) ||
+      (count > 0 && checkpoint.values.rows() != outputs)) {
+    return InvalidField("checkpoint", "has arrays of other sizes than its count of points");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+MapSampling::MapSampling(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MapSampling::MapSampling(MapSampling&&) noexcept = default;
+MapSampling& MapSampling::operator=(MapSampling&&) noexcept = default;
+MapSampling::~MapSampling() = default;
+
+absl::StatusOr<MapSampling> MapSampling::Create(int dimension, int outputs,
+                                                const MapSamplingOptions& options) {
+  // Where to split does not depend on the basis, but whether there is such a map does.
+  absl::StatusOr<RefinementTree> tree =
+      RefinementTree::Create(dimension, options.basis, options.refinement);
+  if (tree.ok() && options.basis != Basis::kLinear) {
+    tree = RefinementTree::Create(dimension, Basis::kLinear, options.refinement);
+  }
+  if (!tree.ok()) return tree.status();
+  if (absl::Status status = CheckOptions(dimension, outputs, options); !status.ok()) return status;
+  return MapSampling(std::make_unique<State>(*std::move(tree), outputs, options));
+}
+
+absl::StatusOr<MapSampling> MapSampling::Restore(int dimension, int outputs,
+                                                 const MapSamplingOptions& options,
+                                                 const MapSamplingCheckpoint& checkpoint) {
+  absl::StatusOr<MapSampling> sampling = Create(dimension, outputs, options);
+  if (!sampling.ok()) return sampling.status();
+  if (absl::Status status = CheckCheckpoint(checkpoint, outputs); !status.ok()) return status;
+  // Points are numbered in the order in which they become wanted, so that going up the numbers
+  // completes one round after the other.
+  std::map<int, int> order;
+  for (std::size_t n = 0; n < checkpoint.numbers.size(); ++n) {
+    if (!order.emplace(checkpoint.numbers[n], static_cast<int>(n)).second) {
+      return InvalidField(absl::StrCat("checkpoint.numbers[", n, "]"), "is there twice");
+    }
+  }
+  State& state = *sampling->state_;
+  for (const auto& [number, n] : order) {
+    if (number < 0 || number >= state.points().count()) {
+      return InvalidField(absl::StrCat("checkpoint.numbers[", n, "]"),
+                          "was never asked with these arguments");
+    }
+    state.MarkAsked(number);
+    const std::string& failure = checkpoint.failures[n];
+    absl::Status told = failure.empty()
+                            ? sampling->Tell(number, checkpoint.values.col(n))
+                            : sampling->TellFailure(number, absl::UnknownError(failure));
+    if (!told.ok()) return told;
+  }
+  return sampling;
+}
+
+std::vector<AskedPoint> MapSampling::Ask(int most) { return state_->Ask(most); }
+
+absl::Status MapSampling::Tell(int number, const Eigen::Ref<const Eigen::VectorXd>& values) {
+  if (values.size() != state_->outputs()) {
+    return InvalidField("values", absl::StrCat("has ", values.size(), " numbers for ",
+                                               state_->outputs(), " outputs"));
+  }
+  if (!values.allFinite()) {
+    return TellFailure(number, absl::InvalidArgumentError("a value is not finite"));
+  }
+  if (absl::Status status = CheckWaiting(number); !status.ok()) return status;
+  state_->points().SetValues(number, values);
+  state_->GoOn();
+  return absl::OkStatus();
+}
+
+absl::Status MapSampling::TellFailure(int number, const absl::Status& reason) {
+  if (absl::Status status = CheckWaiting(number); !status.ok()) return status;
+  const std::string message(reason.message());
+  state_->points().SetFailure(number, message.empty() ? reason.ToString() : message);
+  state_->GoOn();
+  return absl::OkStatus();
+}
+
+absl::Status MapSampling::CheckWaiting(int number) const {
+  const KnownPoints& points = state_->points();
+  if (number < 0 || number >= points.count() || !state_->WasAsked(number)) {
+    return InvalidField("number", absl::StrCat("point ", number, " was never asked"));
+  }
+  if (points.StateOf(number) != KnownPoints::State::kWaiting) {
+    return InvalidField("number", absl::StrCat("point ", number, " has been told already"));
+  }
+  return absl::OkStatus();
+}
+
+bool MapSampling::Done() const { return state_->done(); }
+
+MapSamplingProgress MapSampling::Progress() const {
+  const KnownPoints& points = state_->points();
+  MapSamplingProgress progress;
+  progress.asked = points.count();
+  progress.told = points.count() - points.waiting();
+  progress.failed = points.failed();
+  progress.samples = state_->tree().sample_count();
+  progress.elements = state_->tree().element_count();
+  progress.cut_off = state_->CutOffCount();
+  progress.errors = state_->Errors();
+  return progress;
+}
+
+MapSamplingCheckpoint MapSampling::Checkpoint() const {
+  const KnownPoints& points = state_->points();
+  MapSamplingCheckpoint checkpoint;
+  checkpoint.values = Eigen::MatrixXd::Zero(state_->outputs(), points.count() - points.waiting());
+  for (int number = 0; number < points.count(); ++number) {
+    if (points.StateOf(number) == KnownPoints::State::kWaiting) continue;
+    const auto n = static_cast<Eigen::Index>(checkpoint.numbers.size());
+    const auto reason = points.reasons().find(number);
+    checkpoint.numbers.push_back(number);
+    checkpoint.failures.push_back(reason == points.reasons().end() ? "" : reason->second);
+    checkpoint.values.col(n) = points.ValuesOf(number);
+  }
+  return checkpoint;
+}
+
+std::vector<std::pair<Eigen::VectorXd, std::string>> MapSampling::Failures() const {
+  std::vector<std::pair<Eigen::VectorXd, std::string>> failures;
+  for (const auto& [number, reason] : state_->points().reasons()) {
+    Eigen::VectorXd position(state_->tree().dimension());
+    for (int d = 0; d < state_->tree().dimension(); ++d) {
+      position[d] = ToUnit(state_->points().PositionOf(number)[d]);
+    }
+    failures.emplace_back(std::move(position), reason);
+  }
+  return failures;
+}
+
+const RefinementTree& MapSampling::tree() const { return state_->tree(); }
+
+absl::StatusOr<MapContent> MapSampling::Content() const {
+  if (!state_->HasContent()) {
+    return PreconditionFailed("MAP_NOT_SAMPLED", "the corners of the map have not all been told");
+  }
+  return state_->Content();
+}
+
+}  // namespace mortise::maps

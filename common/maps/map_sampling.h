@@ -1,0 +1,138 @@
+// Adaptive sampling of a function over the unit box (thesis 6.4.2), as a conversation: Ask says
+// where to evaluate, Tell takes the answers, in any order and batch. No threads, no clock: the same
+// answers give the same map bit for bit, whatever their order.
+//
+// How it goes. Rounds. A round asks for the corners that are missing (samples) and, in each new
+// element, for points to measure the error at (probes): its centre and one more, seeded, a quarter
+// of the edges away from it, which an element may have from the one that it is a part of. The error
+// of an element is the largest difference between map and truth at its probes, less the noise
+// floor, over the output's range. When all points of a round have been told, the elements with the
+// largest error × size^(1/2), where size is the volume, are split, each along the direction in
+// which a local model of all that is known around it bends most over the element. Errors of
+// neighbours are measured anew from probes that they have, at no cost. Each point asked counts in
+// the budget; none is asked twice.
+//
+// Where points fail: an element that has a failed corner, or a failed probe, is cut off. It is
+// split in its longest direction, so that what is cut off becomes small, down to `cut_off_depth`
+// splits along each direction; the rest goes on.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/maps/basis.h"
+#include "common/maps/interpolation_map.h"
+#include "common/maps/refinement_tree.h"
+
+namespace mortise::maps {
+
+struct MapSamplingOptions {
+  Basis basis = Basis::kLinear;
+  RefinementOptions refinement{};
+  // The most points that are asked, samples and probes together. At least 2^K + 2.
+  int budget = 200;
+  // Sampling ends when no element's error, over the output's range, is larger.
+  double tolerance = 0;
+  // For each output what it scatters by although nothing changes, in its own unit; empty: zero. A
+  // difference below is no error.
+  std::vector<double> noise_floor{};
+  // For each output what its errors are divided by; empty, or 0 for an output: the difference
+  // between the largest and the smallest value known.
+  std::vector<double> scale{};
+  // Where the second probe of an element lies.
+  std::uint64_t seed = 1;
+  // A round goes on splitting until it asks for as many points. More keeps more workers busy; fewer
+  // choose better.
+  int round_points = 8;
+  // The most splits along each direction of an element that is cut off.
+  int cut_off_depth = 3;
+};
+
+// A point to evaluate.
+struct AskedPoint {
+  int number = 0;            // for Tell: 0, 1, …
+  Eigen::VectorXd position;  // in the unit box
+  bool probe = false;        // asked for the error alone; it may become a sample later
+};
+
+// Differences between map and truth at all present probes, for each output in its own unit. No
+// probe is a sample, so that this is a cross-validation.
+struct MapErrors {
+  Eigen::VectorXd largest;
+  Eigen::VectorXd mean;
+  Eigen::VectorXd
+      range;       // what they may be divided by: the scale of the options, else the range known
+  int probes = 0;  // how many differences there are
+};
+
+struct MapSamplingProgress {
+  int asked = 0;  // points handed out or to be handed out in this round and before
+  int told = 0;
+  int failed = 0;  // among those told
+  int samples = 0;
+  int elements = 0;
+  int cut_off = 0;  // elements
+  MapErrors errors;
+};
+
+// Everything that was told. With the same dimension, outputs and options it says all: restoring
+// asks nothing that was told.
+struct MapSamplingCheckpoint {
+  std::vector<int> numbers;           // of the points told
+  std::vector<std::string> failures;  // for each, why it failed; empty where it did not
+  Eigen::MatrixXd values;             // outputs × told; zero where it failed
+};
+
+class MapSampling {
+ public:
+  // INVALID_ARGUMENT, field `dimension`, `outputs` or `options.…`.
+  static absl::StatusOr<MapSampling> Create(int dimension, int outputs,
+                                            const MapSamplingOptions& options);
+  // Goes on where the checkpoint of another of the same arguments was taken. Points that were asked
+  // and not told are asked again. INVALID_ARGUMENT, field `checkpoint.…`: not of these arguments.
+  static absl::StatusOr<MapSampling> Restore(int dimension, int outputs,
+                                             const MapSamplingOptions& options,
+                                             const MapSamplingCheckpoint& checkpoint);
+
+  MapSampling(MapSampling&&) noexcept;
+  MapSampling& operator=(MapSampling&&) noexcept;
+  ~MapSampling();
+
+  // At most `most` points that have not been handed out. Empty while the round waits for answers,
+  // and when all is done.
+  std::vector<AskedPoint> Ask(int most);
+  // The values of a point, one for each output. A value that is not finite counts as a failure.
+  // INVALID_ARGUMENT, field `number` or `values`: never asked, told already, or another count.
+  absl::Status Tell(int number, const Eigen::Ref<const Eigen::VectorXd>& values);
+  // Why a point could not be evaluated; `reason` is not OK.
+  absl::Status TellFailure(int number, const absl::Status& reason);
+
+  // Whether budget or tolerance is reached and nothing is waited for.
+  bool Done() const;
+  MapSamplingProgress Progress() const;
+  MapSamplingCheckpoint Checkpoint() const;
+  // The failures, by number of the point: where and why.
+  std::vector<std::pair<Eigen::VectorXd, std::string>> Failures() const;
+
+  // Elements and samples of the present round, with the linear basis: its errors choose where to
+  // split for a cubic map, too, whose own errors are measured whenever a quarter more points are
+  // known.
+  const RefinementTree& tree() const;
+  // The map as it is after the last complete round. FAILED_PRECONDITION, reason MAP_NOT_SAMPLED,
+  // before the first.
+  absl::StatusOr<MapContent> Content() const;
+
+ private:
+  class State;
+  explicit MapSampling(std::unique_ptr<State> state);
+  absl::Status CheckWaiting(int number) const;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mortise::maps

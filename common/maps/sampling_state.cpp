@@ -1,0 +1,418 @@
+#include "common/maps/sampling_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "common/base/random.h"
+#include "common/maps/local_model.h"
+
+namespace mortise::maps {
+namespace {
+
+// Elements of less than this share of the round's first priority wait for another round.
+constexpr double kRoundShare = 0.5;
+// The share of the budget that may go into making small what is cut off.
+constexpr double kCutOffShare = 0.25;
+// No element of fewer splits is believed to be good: two probes may both be right by chance.
+constexpr int kLeastDepth = 2;
+// Priority is error × volume^kSizePower.
+constexpr double kSizePower = 0.5;
+
+bool InClosedBox(const LatticeBox& box, const LatticePoint& point, int dimension) {
+  for (int d = 0; d < dimension; ++d) {
+    if (point[d] < box.low[d] || point[d] > box.high[d]) return false;
+  }
+  return true;
+}
+
+bool InOpenBox(const LatticeBox& box, const LatticePoint& point, int dimension) {
+  for (int d = 0; d < dimension; ++d) {
+    if (point[d] <= box.low[d] || point[d] >= box.high[d]) return false;
+  }
+  return true;
+}
+
+Eigen::VectorXd UnitPosition(const LatticePoint& point, int dimension) {
+  Eigen::VectorXd position(dimension);
+  for (int d = 0; d < dimension; ++d) position[d] = ToUnit(point[d]);
+  return position;
+}
+
+LatticePoint CentreOf(const LatticeBox& box, int dimension) {
+  LatticePoint centre{};
+  for (int d = 0; d < dimension; ++d) centre[d] = box.low[d] + (box.high[d] - box.low[d]) / 2;
+  return centre;
+}
+
+}  // namespace
+
+MapSampling::State::State(RefinementTree tree, int outputs, MapSamplingOptions options)
+    : outputs_(outputs),
+      options_(std::move(options)),
+      tree_(std::move(tree)),
+      points_(outputs),
+      measured_(1) {
+  std::vector<int> corners(tree_.sample_count());
+  for (int sample = 0; sample < tree_.sample_count(); ++sample) corners[sample] = sample;
+  WantSamples(corners);
+  PlaceProbes(0);
+  changed_ = {0};
+}
+
+int MapSampling::State::Want(const LatticePoint& position, bool probe) {
+  const int number = points_.Want(position, probe);
+  handed_out_.resize(points_.count(), 0);
+  return number;
+}
+
+void MapSampling::State::WantSamples(const std::vector<int>& samples) {
+  for (const int sample : samples) {
+    sample_points_.push_back(Want(tree_.SampleLattice(sample), false));
+  }
+}
+
+// The centre, and a seeded point a quarter of the edges away from it, unless `own` has another one
+// inside already.
+std::vector<LatticePoint> MapSampling::State::MissingProbes(const LatticeBox& box,
+                                                            const std::vector<int>& own) const {
+  const LatticePoint centre = CentreOf(box, tree_.dimension());
+  std::vector<LatticePoint> missing = {centre};
+  const bool has_other = std::any_of(own.begin(), own.end(), [&](int number) {
+    const LatticePoint& position = points_.PositionOf(number);
+    return position != centre && InOpenBox(box, position, tree_.dimension());
+  });
+  if (!has_other) {
+    Random random(options_.seed ^ LatticeHash()(centre));
+    LatticePoint second = centre;
+    for (int d = 0; d < tree_.dimension(); ++d) {
+      const std::int32_t quarter = (box.high[d] - box.low[d]) / 4;
+      second[d] += random.Index(2) == 0 ? -quarter : quarter;
+    }
+    missing.push_back(second);
+  }
+  return missing;
+}
+
+void MapSampling::State::PlaceProbes(int element) {
+  std::vector<int>& probes = measured_[element].probes;
+  for (const LatticePoint& position : MissingProbes(tree_.LatticeBoxOf(element), probes)) {
+    const int number = Want(position, true);
+    if (std::find(probes.begin(), probes.end(), number) == probes.end()) probes.push_back(number);
+  }
+}
+
+std::vector<AskedPoint> MapSampling::State::Ask(int most) {
+  std::vector<AskedPoint> asked;
+  while (next_to_hand_out_ < points_.count() && static_cast<int>(asked.size()) < most) {
+    const int number = next_to_hand_out_++;
+    if (handed_out_[number]) continue;
+    handed_out_[number] = 1;
+    asked.push_back({number, UnitPosition(points_.PositionOf(number), tree_.dimension()),
+                     points_.IsProbe(number)});
+  }
+  return asked;
+}
+
+void MapSampling::State::GoOn() {
+  while (!done_ && points_.waiting() == 0) {
+    FinishRound();
+    done_ = !StartRound();
+  }
+  if (done_ && options_.basis == Basis::kCubic) MeasureSmooth();
+}
+
+void MapSampling::State::FinishRound() {
+  std::set<int> affected(changed_.begin(), changed_.end());
+  for (const int element : changed_) {
+    const std::vector<int> near = tree_.Neighbours(element);
+    affected.insert(near.begin(), near.end());
+  }
+  for (const int element : affected) {
+    if (tree_.IsElement(element)) Measure(element);
+  }
+  changed_.clear();
+  ++rounds_;
+  complete_splits_ = tree_.history().size();
+}
+
+void MapSampling::State::Measure(int element) {
+  using PointState = KnownPoints::State;
+  Measured& measured = measured_[element];
+  const std::vector<int>& samples = tree_.ElementSamples(element);
+  bool some_good = false;
+  measured.cut_off = false;
+  const auto look_at = [&](int number) {
+    const bool failed = points_.StateOf(number) == PointState::kFailed;
+    measured.cut_off = measured.cut_off || failed;
+    some_good = some_good || !failed;
+  };
+  for (const int sample : samples) look_at(sample_points_[sample]);
+  auto& probes = measured.probes;
+  probes.erase(std::remove_if(probes.begin(), probes.end(),
+                              [&](int number) {
+                                return tree_.elements().FindSample(points_.PositionOf(number)) >= 0;
+                              }),
+               probes.end());
+  for (const int number : probes) look_at(number);
+  measured.all_failed = !some_good;
+  measured.differences.resize(outputs_, 0);
+  measured.errors = Eigen::VectorXd::Zero(outputs_);
+  if (measured.cut_off) return;
+  measured.differences.resize(outputs_, static_cast<Eigen::Index>(probes.size()));
+  for (std::size_t n = 0; n < probes.size(); ++n) {
+    const PointWeights weights =
+        tree_.Weights(UnitPosition(points_.PositionOf(probes[n]), tree_.dimension()));
+    Eigen::VectorXd difference = -points_.ValuesOf(probes[n]);
+    for (std::size_t k = 0; k < weights.samples.size(); ++k) {
+      difference += weights.weights[static_cast<Eigen::Index>(k)] *
+                    points_.ValuesOf(sample_points_[weights.samples[k]]);
+    }
+    measured.differences.col(static_cast<Eigen::Index>(n)) = difference.cwiseAbs();
+  }
+  measured.errors = measured.differences.rowwise().maxCoeff();
+}
+
+Eigen::VectorXd MapSampling::State::Scale() const {
+  Eigen::VectorXd scale = points_.Range();
+  for (int o = 0; o < outputs_ && !options_.scale.empty(); ++o) {
+    if (options_.scale[o] > 0) scale[o] = options_.scale[o];
+  }
+  return scale;
+}
+
+double MapSampling::State::RelativeError(const Eigen::VectorXd& errors,
+                                         const Eigen::VectorXd& scale) const {
+  double largest = 0;
+  for (int o = 0; o < outputs_; ++o) {
+    const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
+    const double beyond = errors[o] - floor;
+    if (beyond > 0 && scale[o] > 0) largest = std::max(largest, beyond / scale[o]);
+  }
+  return largest;
+}
+
+std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() const {
+  const Eigen::VectorXd scale = Scale();
+  std::vector<Candidate> candidates;
+  for (const int element : tree_.Elements()) {
+    const Measured& measured = measured_[element];
+    int depth = 0;
+    for (int d = 0; d < tree_.dimension(); ++d) depth += tree_.DepthOf(element, d);
+    double error = 0;
+    if (!measured.cut_off) {
+      error = RelativeError(measured.errors, scale);
+      const bool good = error <= options_.tolerance || smooth_enough_;
+      if (good && depth >= kLeastDepth) continue;
+    } else if (!measured.all_failed &&
+               tree_.elements().LeastDepthOf(element) < options_.cut_off_depth &&
+               cut_off_asked_ < kCutOffShare * options_.budget) {
+      error = 1;
+    } else {
+      continue;
+    }
+    candidates.push_back({error * std::exp2(-kSizePower * depth), element});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.priority > b.priority; });
+  return candidates;
+}
+
+// Splits until the round asks for enough points. Returns whether anything was split.
+bool MapSampling::State::StartRound() {
+  if (options_.basis == Basis::kCubic && points_.count() >= next_smooth_) {
+    next_smooth_ = points_.count() + points_.count() / 4;
+    MeasureSmooth();
+  }
+  const int before = points_.count();
+  double first_priority = 0;
+  for (const Candidate& candidate : Candidates()) {
+    if (candidate.priority < kRoundShare * first_priority) break;
+    const int direction = DirectionFor(candidate.element);
+    if (!SplitElement(candidate.element, direction)) continue;
+    first_priority = std::max(first_priority, candidate.priority);
+    if (points_.count() - before >= options_.round_points) break;
+  }
+  return !changed_.empty();
+}
+
+std::vector<int> MapSampling::State::PointsAround(int element) const {
+  std::set<int> found;
+  std::vector<int> elements = tree_.Neighbours(element);
+  elements.push_back(element);
+  for (const int near : elements) {
+    for (const int sample : tree_.ElementSamples(near)) found.insert(sample_points_[sample]);
+    found.insert(measured_[near].probes.begin(), measured_[near].probes.end());
+  }
+  std::vector<int> good;
+  for (const int number : found) {
+    if (points_.StateOf(number) == KnownPoints::State::kGood) good.push_back(number);
+  }
+  return good;
+}
+
+int MapSampling::State::DirectionFor(int element) const {
+  const int dimension = tree_.dimension();
+  Eigen::VectorXd score = Eigen::VectorXd::Zero(dimension);
+  if (!measured_[element].cut_off) {
+    const Eigen::VectorXd scale = Scale();
+    const Eigen::MatrixXd bending = BendingOver(tree_.LatticeBoxOf(element), dimension, outputs_,
+                                                points_, PointsAround(element));
+    for (int o = 0; o < outputs_; ++o) {
+      const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
+      if (scale[o] <= 0 || measured_[element].errors[o] <= floor) continue;
+      score = score.cwiseMax(bending.col(o) / scale[o]);
+    }
+  }
+  int best = -1;
+  for (int d = 0; d < dimension; ++d) {
+    if (!tree_.CanSplit(element, d)) continue;
+    const bool longer = best >= 0 && tree_.DepthOf(element, d) < tree_.DepthOf(element, best);
+    if (best < 0 || score[d] > score[best] || (score[d] == score[best] && longer)) best = d;
+  }
+  return best < 0 ? -1 : tree_.DirectionBefore(element, best);
+}
+
+// How many points a split asks for that are not known.
+int MapSampling::State::CostOf(int element, int direction) const {
+  int cost = 0;
+  for (const LatticePoint& position : tree_.NewSamples(element, direction)) {
+    cost += points_.IsKnown(position) ? 0 : 1;
+  }
+  LatticeBox halves[2] = {tree_.LatticeBoxOf(element), tree_.LatticeBoxOf(element)};
+  halves[0].high[direction] = CentreOf(halves[0], tree_.dimension())[direction];
+  halves[1].low[direction] = halves[0].high[direction];
+  for (const LatticeBox& half : halves) {
+    for (const LatticePoint& position : MissingProbes(half, measured_[element].probes)) {
+      cost += points_.IsKnown(position) ? 0 : 1;
+    }
+  }
+  return cost;
+}
+
+bool MapSampling::State::SplitElement(int element, int direction) {
+  if (direction < 0) return false;
+  if (points_.count() + CostOf(element, direction) > options_.budget) return false;
+  const int before = points_.count();
+  const absl::StatusOr<std::vector<int>> samples = tree_.Split(element, direction);
+  if (!samples.ok()) return false;
+  WantSamples(*samples);
+  measured_.resize(tree_.elements().node_count());
+  const int first = tree_.elements().node_count() - 2;
+  for (const int child : {first, first + 1}) {
+    for (const int number : measured_[element].probes) {
+      if (InClosedBox(tree_.LatticeBoxOf(child), points_.PositionOf(number), tree_.dimension())) {
+        measured_[child].probes.push_back(number);
+      }
+    }
+    PlaceProbes(child);
+    changed_.push_back(child);
+  }
+  if (measured_[element].cut_off) cut_off_asked_ += points_.count() - before;
+  return true;
+}
+
+MapErrors MapSampling::State::Errors() const {
+  return options_.basis == Basis::kLinear ? LinearErrors() : smooth_errors_;
+}
+
+MapErrors MapSampling::State::LinearErrors() const {
+  MapErrors errors;
+  errors.largest = errors.mean = Eigen::VectorXd::Zero(outputs_);
+  errors.range = Scale();
+  std::set<int> counted;
+  for (std::size_t node = 0; node < measured_.size(); ++node) {
+    if (!tree_.IsElement(static_cast<int>(node))) continue;
+    const Measured& measured = measured_[node];
+    for (Eigen::Index n = 0; n < measured.differences.cols(); ++n) {
+      if (!counted.insert(measured.probes[n]).second) continue;
+      errors.largest = errors.largest.cwiseMax(measured.differences.col(n));
+      errors.mean += measured.differences.col(n);
+      ++errors.probes;
+    }
+  }
+  if (errors.probes > 0) errors.mean /= errors.probes;
+  return errors;
+}
+
+int MapSampling::State::CutOffCount() const {
+  int count = 0;
+  for (const int element : tree_.Elements()) count += measured_[element].cut_off ? 1 : 0;
+  return count;
+}
+
+MapContent MapSampling::State::Content() const {
+  MapContent content = LinearContent();
+  content.basis = options_.basis;
+  if (options_.basis == Basis::kCubic) MeasureCubic(content);
+  return content;
+}
+
+MapContent MapSampling::State::LinearContent() const {
+  MapContent content;
+  content.dimension = tree_.dimension();
+  content.basis = tree_.basis();
+  content.options = tree_.options();
+  content.splits.assign(tree_.history().begin(),
+                        tree_.history().begin() + static_cast<std::ptrdiff_t>(complete_splits_));
+  const auto complete =
+      *RefinementTree::Replay(content.dimension, content.basis, content.options, content.splits);
+  content.values = Eigen::MatrixXd::Zero(outputs_, complete.sample_count());
+  for (int sample = 0; sample < complete.sample_count(); ++sample) {
+    const int number = sample_points_[sample];
+    if (points_.StateOf(number) == KnownPoints::State::kGood) {
+      content.values.col(sample) = points_.ValuesOf(number);
+    }
+  }
+  content.errors = Eigen::MatrixXd::Zero(outputs_, complete.element_count());
+  for (const int element : complete.Elements()) {
+    const auto order = static_cast<Eigen::Index>(content.cut_off.size());
+    content.errors.col(order) = measured_[element].errors;
+    content.cut_off.push_back(measured_[element].cut_off ? 1 : 0);
+  }
+  return content;
+}
+
+// Replaces the errors by those of the cubic map. Returns them at all probes, each once.
+MapErrors MapSampling::State::MeasureCubic(MapContent& content) const {
+  const auto map = *InterpolationMap::Create(content);
+  MapErrors errors;
+  errors.largest = errors.mean = Eigen::VectorXd::Zero(outputs_);
+  errors.range = Scale();
+  content.errors.setZero();
+  std::set<int> counted;
+  Eigen::Index order = 0;
+  for (const int element : map.tree().Elements()) {
+    const Measured& measured = measured_[element];
+    for (std::size_t n = 0; n < measured.probes.size() && !measured.cut_off; ++n) {
+      const int number = measured.probes[n];
+      const Eigen::VectorXd position = UnitPosition(points_.PositionOf(number), tree_.dimension());
+      if (map.tree().elements().FindSample(points_.PositionOf(number)) >= 0) continue;
+      const Eigen::VectorXd difference =
+          (map.Evaluate(position).values.col(0) - points_.ValuesOf(number)).cwiseAbs();
+      if (!difference.allFinite()) continue;  // on a face of what is cut off
+      content.errors.col(order) = content.errors.col(order).cwiseMax(difference);
+      if (!counted.insert(number).second) continue;
+      errors.largest = errors.largest.cwiseMax(difference);
+      errors.mean += difference;
+      ++errors.probes;
+    }
+    ++order;
+  }
+  if (errors.probes > 0) errors.mean /= errors.probes;
+  return errors;
+}
+
+void MapSampling::State::MeasureSmooth() {
+  MapContent content = LinearContent();
+  content.basis = options_.basis;
+  smooth_errors_ = MeasureCubic(content);
+  smooth_enough_ = true;
+  for (Eigen::Index order = 0; order < content.errors.cols(); ++order) {
+    const bool small =
+        RelativeError(content.errors.col(order), smooth_errors_.range) <= options_.tolerance;
+    smooth_enough_ = smooth_enough_ && small;
+  }
+}
+
+}  // namespace mortise::maps

@@ -1,0 +1,89 @@
+// The rounds of an adaptive sampling. Private to this folder: others use map_sampling.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "common/maps/known_points.h"
+#include "common/maps/map_sampling.h"
+#include "common/maps/refinement_tree.h"
+
+namespace mortise::maps {
+
+class MapSampling::State {
+ public:
+  State(RefinementTree tree, int outputs, MapSamplingOptions options);
+
+  int outputs() const { return outputs_; }
+  const RefinementTree& tree() const { return tree_; }
+  KnownPoints& points() { return points_; }
+  const KnownPoints& points() const { return points_; }
+  bool done() const { return done_; }
+
+  std::vector<AskedPoint> Ask(int most);
+  bool WasAsked(int number) const { return handed_out_[number] != 0; }
+  void MarkAsked(int number) { handed_out_[number] = 1; }
+  // To be called after each answer: begins the next rounds if this one is complete.
+  void GoOn();
+
+  MapErrors Errors() const;
+  int CutOffCount() const;
+  bool HasContent() const { return rounds_ > 0; }
+  MapContent Content() const;
+
+ private:
+  // What is known of a node while it is, or was, an element.
+  struct Measured {
+    std::vector<int> probes;      // known points in the closed box that are no samples
+    Eigen::MatrixXd differences;  // outputs × probes, of those that did not fail
+    Eigen::VectorXd errors;       // the largest of each output
+    bool cut_off = false;
+    bool all_failed = false;
+  };
+  struct Candidate {
+    double priority = 0;
+    int element = 0;
+  };
+
+  int Want(const LatticePoint& position, bool probe);
+  void PlaceProbes(int element);
+  std::vector<LatticePoint> MissingProbes(const LatticeBox& box, const std::vector<int>& own) const;
+  void WantSamples(const std::vector<int>& samples);
+  void FinishRound();
+  void Measure(int element);
+  bool StartRound();
+  MapContent LinearContent() const;
+  MapErrors MeasureCubic(MapContent& content) const;
+  void MeasureSmooth();
+  MapErrors LinearErrors() const;
+  std::vector<Candidate> Candidates() const;
+  // The largest part of an output's error beyond its noise floor, over its scale.
+  double RelativeError(const Eigen::VectorXd& errors, const Eigen::VectorXd& scale) const;
+  int DirectionFor(int element) const;
+  int CostOf(int element, int direction) const;
+  bool SplitElement(int element, int direction);
+  Eigen::VectorXd Scale() const;
+  std::vector<int> PointsAround(int element) const;
+
+  int outputs_;
+  MapSamplingOptions options_;
+  RefinementTree tree_;  // linear, whatever the map's basis: its errors choose where to split
+  KnownPoints points_;
+  std::vector<std::uint8_t> handed_out_;
+  int next_to_hand_out_ = 0;
+  std::vector<int> sample_points_;  // the point of each sample
+  std::vector<Measured> measured_;  // for each node
+  std::vector<int> changed_;        // elements that this round makes
+  int cut_off_asked_ = 0;           // points that splits of what is cut off have cost
+  int rounds_ = 0;
+  std::size_t complete_splits_ = 0;  // of the history, when the last round was complete
+  // Of a cubic map, which is measured whenever a quarter more points are known: it takes all of the
+  // map.
+  MapErrors smooth_errors_;
+  bool smooth_enough_ = false;
+  int next_smooth_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace mortise::maps
