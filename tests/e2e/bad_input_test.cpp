@@ -128,7 +128,7 @@ class BadInputTest : public testing::Test {
       answers[good.method] = answer.messages.empty() ? "" : Readable(good, answer.messages[0]);
     }
     v1::EventService::Stub events(channel_);
-    for (const char* stream : {"catalog", "fabplanner", "pareto", "simulator"}) {
+    for (const char* stream : {"catalog", "fabplanner", "interpolator", "pareto", "simulator"}) {
       grpc::ClientContext context;
       v1::ReadEventsRequest request;
       v1::ReadEventsResponse response;

@@ -20,6 +20,7 @@
 #include "mortise/v1/events.pb.h"
 #include "mortise/v1/fabplanner.grpc.pb.h"
 #include "mortise/v1/gateway.pb.h"
+#include "mortise/v1/interpolator.grpc.pb.h"
 #include "mortise/v1/operations.grpc.pb.h"
 #include "mortise/v1/pareto.grpc.pb.h"
 #include "mortise/v1/retrieval.pb.h"
@@ -151,6 +152,7 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
   v1::SimulatorService::Stub simulator(channel);
   v1::ParetoService::Stub pareto(channel);
   v1::FabPlannerService::Stub planner(channel);
+  v1::InterpolatorService::Stub interpolator(channel);
   v1::OperationService::Stub operations(channel);
   std::map<std::string, std::string> names;
 
@@ -158,6 +160,10 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
       Call(pareto, &v1::ParetoService::Stub::DiscoverFront,
            Parse<v1::DiscoverFrontRequest>(std::string("request_id: 'good-1' specification {") +
                                            kDiscovery + "}"));
+  const auto mapping =
+      Call(interpolator, &v1::InterpolatorService::Stub::BuildMap,
+           Parse<v1::BuildMapRequest>(std::string("request_id: 'good-9' specification {") +
+                                      kMapSpecification + "}"));
   const auto analysing =
       Call(simulator, &v1::SimulatorService::Stub::AnalyzeDesign,
            Parse<v1::AnalyzeDesignRequest>("request_id: 'good-2' template: 'templates/table' "
@@ -177,6 +183,7 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
     names["{point}"] += (names["{point}"].empty() ? "" : ", ") + std::to_string(value.value());
   }
   names["{front}"] = ResultOf<v1::Front>(operations, discovering).name();
+  names["{map}"] = ResultOf<v1::DesignMap>(operations, mapping).name();
   AwaitQuiet(simulator, operations, releasing.name());
   names["{model}"] = MakeModel(channel);
 
@@ -189,6 +196,7 @@ std::map<std::string, std::string> MakeResources(const std::shared_ptr<grpc::Cha
   item.clear_revision();
   names["{item}"] = item.ShortDebugString();
   names["{discovery}"] = kDiscovery;
+  names["{mapping}"] = kMapSpecification;
   names["{tetrahedron}"] = kTetrahedron;
   names["{shape}"] =
       Call(catalog, &v1::CatalogService::Stub::ImportShape,
@@ -207,6 +215,7 @@ std::vector<const FileDescriptor*> Files() {
           v1::EvaluateBatchRequest::descriptor()->file(),
           v1::AnalyzeDesignRequest::descriptor()->file(),
           v1::DiscoverFrontRequest::descriptor()->file(),
+          v1::BuildMapRequest::descriptor()->file(),
           v1::CreatePlanRequest::descriptor()->file(),
           v1::SearchShapesRequest::descriptor()->file(),
           v1::CreateModelRequest::descriptor()->file(),

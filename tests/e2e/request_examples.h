@@ -154,6 +154,18 @@ inline constexpr Example kExamples[] = {
     {"SimulatorService/DownloadBlob", "sha256: '{mesh}'"},
     {"SimulatorService/GetQueueStatus", "evaluator: 'simulator'"},
     {"SimulatorService/ListTasks", "page_size: 10 state: DONE"},
+    {"InterpolatorService/BuildMap", "request_id: 'bad-52' specification { {mapping} }",
+     Outcome::kChanges},
+    {"InterpolatorService/GetMap", "name: '{map}'"},
+    {"InterpolatorService/ListMaps", "page_size: 10"},
+    {"InterpolatorService/EvaluateMap",
+     "name: '{map}' points: [1.3, 1.45] metrics: 'mass' gradients: true"},
+    {"InterpolatorService/VerifyMap", "request_id: 'bad-53' name: '{map}' points: 1.3",
+     Outcome::kChanges},
+    {"InterpolatorService/UpdateMap",
+     "request_id: 'bad-54' map { name: 'maps/none' labels { key: 'a' value: 'b' } }",
+     Outcome::kRefused},
+    {"InterpolatorService/DeleteMap", "request_id: 'bad-55' name: 'maps/none'", Outcome::kRefused},
     {"ParetoService/DiscoverFront",
      "request_id: 'bad-7' specification { {discovery} } external_ids: '100-4711/A' "
      "labels { key: 'customer' value: 'acme' }",
@@ -301,6 +313,16 @@ inline constexpr Example kExamples[] = {
      "update_mask { paths: 'external_ids' }",
      Outcome::kRefused},
 };
+
+// Its mass is known without a mesh.
+inline constexpr char kMapSpecification[] =
+    "subject: 'templates/table' metrics { name: 'mass' noise_floor: 0.001 } "
+    "metrics { name: 'slender' } "
+    "metric_definitions { expressions { name: 'slender' unit: '1' expression: 'length / width' } } "
+    "variations { parameter: 'length' minimum: 1.2 maximum: 1.5 } "
+    "fixed { name: 'width' value: 0.8 } basis: LINEAR evaluations: 10 tolerance: 0.01 "
+    "seconds: 60 seed: 1 mesh { element_size: 0.3 linear: true } "
+    "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } most_structures: 2";
 
 inline constexpr char kDiscovery[] =
     "subject: 'templates/table' objectives { metric: 'mass' } "
