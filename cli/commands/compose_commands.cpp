@@ -7,13 +7,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/client/command_flags.h"
-#include "cli/client/filter_options.h"
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
-#include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/compose_calls.h"
 #include "cli/commands/compose_check_command.h"
+#include "cli/commands/compose_list_commands.h"
 #include "cli/commands/compose_output.h"
 #include "cli/commands/compose_suggest_command.h"
 #include "common/base/errors.h"
@@ -31,12 +30,8 @@ using Stub = v1::ComposerService::Stub;
 struct ModelOptions {
   std::string model;
   std::int64_t revision = 0;  // 0: the present one
+  bool rebase = false;
   std::filesystem::path picture;
-};
-
-struct NewOptions {
-  std::string id, title;
-  TagOptions tags;
 };
 
 struct AddOptions : ModelOptions {
@@ -102,6 +97,7 @@ absl::Status Change(grpc::Status (Stub::*method)(grpc::ClientContext*, const Req
                     Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_RETURN_IF_ERROR(Address(*client, options, &request));
+  if constexpr (requires { request.set_rebase(true); }) request.set_rebase(options.rebase);
   MORTISE_ASSIGN_OR_RETURN(const v1::Model model, AskComposer(*client, method, request));
   PrintModel(model, output);
   PrintComponent(model, component, output);
@@ -119,43 +115,13 @@ void AddChange(CommandFlags& flags, ModelOptions& options) {
   flags.Add("--picture", options.picture, "PNG file for a picture of what came of it");
 }
 
+void AddRebase(CommandFlags& flags, ModelOptions& options) {
+  flags.command().add_flag("--rebase", options.rebase,
+                           "Of a newer revision than --revision, too, if what this is about has "
+                           "not changed since");
+}
+
 // ---- The commands ------------------------------------------------------------------------------
-
-absl::Status New(const NewOptions& options, Session& session, Output& output) {
-  v1::CreateModelRequest request;
-  request.set_request_id(NewIdentifier());
-  request.set_model_id(options.id);
-  request.set_title(options.title);
-  MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  MORTISE_ASSIGN_OR_RETURN(const v1::Model model,
-                           AskComposer(*client, &Stub::CreateModel, request));
-  PrintModel(model, output);
-  return absl::OkStatus();
-}
-
-absl::Status List(const FilterOptions& options, Session& session, Output& output) {
-  v1::ListModelsRequest filters;
-  MORTISE_ASSIGN_OR_RETURN(*filters.mutable_filter(), ParseFilter(options));
-  MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::ComposerService::NewStub(client->channel());
-  v1::ListModelsResponse all;
-  std::vector<std::vector<std::string>> rows;
-  const absl::Status listed = ListAll<v1::ListModelsRequest, v1::ListModelsResponse>(
-      *client, [&](auto... a) { return stub->ListModels(a...); },
-      [&](const v1::ListModelsResponse& page) {
-        for (const v1::Model& model : page.models()) {
-          rows.push_back({model.name(), model.title(), absl::StrCat("revision ", model.revision()),
-                          absl::StrCat(model.components_size(), " components")});
-          *all.add_models() = model;
-        }
-      },
-      filters);
-  MORTISE_RETURN_IF_ERROR(listed);
-  output.Table({"name", "title", "revision", "components"}, rows);
-  output.DocumentOf(all);
-  return absl::OkStatus();
-}
 
 absl::Status ShowControls(const GatewayClient& client, const NodeOptions& options, Output& output) {
   v1::GetNodeControlsRequest request;
@@ -317,22 +283,6 @@ absl::Status Delete(const ModelOptions& options, Session& session, Output& outpu
 
 // ---- The command line --------------------------------------------------------------------------
 
-void AddNewAndList(CLI::App& compose, Session& session) {
-  auto made = std::make_shared<NewOptions>();
-  CommandFlags create(*compose.add_subcommand("new", "Begin an empty model"));
-  create.Add("model", made->id, "Its id, such as desk; chosen if absent", "model_id");
-  create.Add("--title", made->title, "Its title, for people", "title");
-  AddTagOptions(create, made->tags);
-  create.command().footer("Example: mortise compose new desk --title \"My desk\"");
-  create.Run(session, [made](Session& s, Output& o) { return New(*made, s, o); });
-
-  auto listed = std::make_shared<FilterOptions>();
-  CommandFlags list(*compose.add_subcommand("list", "The models there are"));
-  AddFilterOptions(list, *listed);
-  list.command().footer("Example: mortise compose list --creator ada");
-  list.Run(session, [listed](Session& s, Output& o) { return List(*listed, s, o); });
-}
-
 void AddShow(CLI::App& compose, Session& session) {
   auto options = std::make_shared<NodeOptions>();
   CommandFlags show(*compose.add_subcommand("show", "A model, or what of a node can be dragged"));
@@ -351,6 +301,7 @@ void AddAdd(CLI::App& compose, Session& session) {
   auto options = std::make_shared<AddOptions>();
   CommandFlags add(*compose.add_subcommand("add", "Drop a piece of a design into a model"));
   AddChange(add, *options);
+  AddRebase(add, *options);
   add.Add("template", options->subject, "Template of an assembly, such as bookshelf", "template")
       ->required();
   add.Add("--group", options->group, "Group, part or row of it; all of it if absent", "group");
@@ -376,6 +327,7 @@ void AddComponentCommand(CLI::App& compose, Session& session, const std::string&
   auto options = std::make_shared<NodeOptions>();
   CommandFlags flags(*compose.add_subcommand(name, help));
   AddChange(flags, *options);
+  AddRebase(flags, *options);
   flags.Add("component", options->component, "Component of the model", "component")->required();
   if (name == "snap") {
     flags.command().add_flag("--preview", options->preview, "Only tell what would become of it");
@@ -399,6 +351,7 @@ void AddNodeCommand(CLI::App& compose, Session& session, const std::string& name
   auto options = std::make_shared<NodeOptions>();
   CommandFlags flags(*compose.add_subcommand(name, help));
   AddChange(flags, *options);
+  AddRebase(flags, *options);
   flags.Add("--node", options->node, "Element, group or part", "node");
   flags.Add("--component", options->component, "Of this one, which is not connected yet",
             "component");
@@ -465,7 +418,7 @@ void AddComposeCommands(CLI::App& app, Session& session) {
   CLI::App& compose = *app.add_subcommand("compose", "New designs of pieces of others");
   compose.require_subcommand(1);
   compose.footer("Example: mortise compose new desk");
-  AddNewAndList(compose, session);
+  AddComposeNewAndList(compose, session);
   AddShow(compose, session);
   AddComposeCheckCommand(compose, session);
   AddComposeBillCommand(compose, session);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/digest.h"
@@ -23,6 +24,7 @@ using google::protobuf::Message;
 
 constexpr char kAnswers[] = "rpc.answers";  // request's digest, then the serialised response
 constexpr char kAudit[] = "rpc.audit";      // mortise.v1.AuditRecord
+constexpr char kAgain[] = "mortise/prepare-again";  // payload of a failure that asks for it
 constexpr std::size_t kDigestLength = 64;
 constexpr std::size_t kMaxRequestIdLength = 128;
 
@@ -54,6 +56,13 @@ std::string AuditKey(absl::Time time) {
 }
 
 }  // namespace
+
+absl::Status PrepareAgain(absl::Status failure) {
+  failure.SetPayload(kAgain, absl::Cord("1"));
+  return failure;
+}
+
+bool TakesPreparingAgain(absl::Status& failure) { return failure.ErasePayload(kAgain); }
 
 absl::StatusOr<MutationKey> MakeMutationKey(const Call& call, const Message& request) {
   MutationKey key;

@@ -1,5 +1,5 @@
 // What a mutation leaves in the store beside its change: the answer, for repeated requests, and the
-// audit record.
+// audit record. And how one asks to be prepared anew, where others came before it.
 #pragma once
 
 #include <optional>
@@ -47,6 +47,17 @@ absl::Status RecordMutation(store::Transaction& transaction, std::string_view se
                             const Call& call, const MutationKey& key,
                             const google::protobuf::Message& request,
                             const google::protobuf::Message& response);
+
+// How often a prepared mutation is prepared and tried, at most.
+inline constexpr int kMostPreparations = 10;
+
+// Marks the failure of a prepared mutation's change (handler.h): what it was prepared of is another
+// by now, and it may succeed if it is prepared again. It is, up to kMostPreparations times; then
+// the failure is answered.
+absl::Status PrepareAgain(absl::Status failure);
+
+// Whether a failure is marked. The mark is taken away.
+bool TakesPreparingAgain(absl::Status& failure);
 
 // Forgets answers older than kAnswerRetention; returns how many.
 absl::StatusOr<int> ForgetOldAnswers(store::Store& store);

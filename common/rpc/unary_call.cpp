@@ -16,12 +16,10 @@ namespace {
 
 using google::protobuf::Message;
 
-absl::Status RunMutation(const Call& call, const CallState& state, const Message& request,
-                         Message* response, const MutationSteps& steps) {
-  store::Store* store = state.dispatcher()->options().store;
-  if (store == nullptr) return absl::InternalError("this process has no store to change");
-  MORTISE_ASSIGN_OR_RETURN(const MutationKey key, MakeMutationKey(call, request));
-
+absl::Status RunMutationOnce(const Call& call, const CallState& state, const MutationKey& key,
+                             const Message& request, Message* response,
+                             const MutationSteps& steps) {
+  store::Store* const store = state.dispatcher()->options().store;
   bool answered = false;
   const auto find_answer = [&](store::ReadTransaction& transaction) -> absl::Status {
     MORTISE_ASSIGN_OR_RETURN(answered, FindAnswer(transaction, key, response));
@@ -42,6 +40,19 @@ absl::Status RunMutation(const Call& call, const CallState& state, const Message
                             *response);
     });
   });
+}
+
+absl::Status RunMutation(const Call& call, const CallState& state, const Message& request,
+                         Message* response, const MutationSteps& steps) {
+  if (state.dispatcher()->options().store == nullptr) {
+    return absl::InternalError("this process has no store to change");
+  }
+  MORTISE_ASSIGN_OR_RETURN(const MutationKey key, MakeMutationKey(call, request));
+  for (int tried = 1;; ++tried) {
+    absl::Status done = RunMutationOnce(call, state, key, request, response, steps);
+    const bool again = TakesPreparingAgain(done);
+    if (!again || tried == kMostPreparations || call.cancelled()) return done;
+  }
 }
 
 }  // namespace

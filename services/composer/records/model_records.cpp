@@ -129,6 +129,17 @@ absl::StatusOr<StoredModel> ReadModelAt(store::Store& store, const std::string& 
   });
 }
 
+absl::StatusOr<StoredModel> ReadModelSince(store::Store& store, const std::string& name,
+                                           std::int64_t revision, const NamedNode& named) {
+  return resources::ReadFrom<StoredModel>(
+      store, [&](store::ReadTransaction& transaction) -> absl::StatusOr<StoredModel> {
+        MORTISE_ASSIGN_OR_RETURN(StoredModel model, ReadModel(transaction, name));
+        if (model.head.revision() == revision) return model;
+        MORTISE_RETURN_IF_ERROR(CheckUntouched(transaction, model.head, revision, named));
+        return model;
+      });
+}
+
 v1::Model ShownModel(const StoredModel& model) {
   v1::Model shown = model.head;
   *shown.mutable_components() = model.state.shown().components();

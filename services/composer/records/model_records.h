@@ -14,6 +14,7 @@
 #include "common/store/store.h"
 #include "model_state.pb.h"
 #include "mortise/v1/composer.pb.h"
+#include "services/composer/records/model_history.h"
 
 namespace mortise::composer {
 
@@ -38,6 +39,11 @@ absl::StatusOr<StoredModel> ReadModelAt(store::ReadTransaction& transaction,
                                         const std::string& name, std::int64_t revision);
 absl::StatusOr<StoredModel> ReadModelAt(store::Store& store, const std::string& name,
                                         std::int64_t revision);
+
+// The same for a caller who is content with a newer revision if nothing of what is named has
+// changed since. Fails as CheckUntouched (model_history.h) where there is one.
+absl::StatusOr<StoredModel> ReadModelSince(store::Store& store, const std::string& name,
+                                           std::int64_t revision, const NamedNode& named);
 
 // Returns the model as clients see it.
 v1::Model ShownModel(const StoredModel& model);

@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/rpc/call.h"
+#include "common/rpc/mutation_log.h"
 #include "common/store/store.h"
 #include "mortise/v1/composer.pb.h"
 #include "services/composer/service/model_change.h"
@@ -26,11 +27,14 @@ absl::StatusOr<ModelChange> MoveComponent(const Composer& composer, const rpc::C
 absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call& call,
                                        const v1::RemoveNodeRequest& asked);
 
-// The second step of all of them.
+// The second step of all of them. Where another change came between the two, what may be rebased
+// goes through the first again.
 template <typename Request>
-absl::StatusOr<v1::Model> KeepChange(const Composer&, const rpc::Call& call, const Request&,
+absl::StatusOr<v1::Model> KeepChange(const Composer&, const rpc::Call& call, const Request& asked,
                                      ModelChange& change, store::Transaction& transaction) {
-  return StoreChange(transaction, change, call);
+  absl::StatusOr<v1::Model> kept = StoreChange(transaction, change, call);
+  if (absl::IsAborted(kept.status()) && MayRebase(asked)) return rpc::PrepareAgain(kept.status());
+  return kept;
 }
 
 }  // namespace mortise::composer::methods

@@ -33,13 +33,37 @@ struct ModelAtWork {
   }
 };
 
-// Opens the model that a request names at the revision that its caller saw, until nobody waits for
-// the call any more. Fails as ReadModelAt and Open.
+// Whether a request is content with a newer revision of its model.
+template <typename Request>
+bool MayRebase(const Request& asked) {
+  if constexpr (requires { asked.rebase(); }) return asked.rebase();
+  return false;
+}
+
+// What of its model a request names.
+template <typename Request>
+NamedNode NamedBy(const Request& asked) {
+  NamedNode named;
+  if constexpr (requires { asked.component(); }) named.component = asked.component();
+  if constexpr (requires { asked.node(); }) {
+    if (named.component.empty()) named.node = asked.node();
+  }
+  return named;
+}
+
+// Reads the model that a request names at the revision that its caller saw, or the newest if the
+// request may be rebased. Fails as ReadModelAt and ReadModelSince.
+template <typename Request>
+absl::StatusOr<StoredModel> ReadFor(const Composer& composer, const Request& asked) {
+  if (!MayRebase(asked)) return ReadModelAt(*composer.store, asked.name(), asked.revision());
+  return ReadModelSince(*composer.store, asked.name(), asked.revision(), NamedBy(asked));
+}
+
+// Opens that model, until nobody waits for the call any more. Fails as ReadFor and Open.
 template <typename Request>
 absl::StatusOr<ModelAtWork> OpenFor(const Composer& composer, const rpc::Call& call,
                                     const Request& asked) {
-  MORTISE_ASSIGN_OR_RETURN(const StoredModel stored,
-                           ReadModelAt(*composer.store, asked.name(), asked.revision()));
+  MORTISE_ASSIGN_OR_RETURN(const StoredModel stored, ReadFor(composer, asked));
   MORTISE_ASSIGN_OR_RETURN(OpenModel model,
                            Open(stored, composer.drawings, [&call] { return call.cancelled(); }));
   return ModelAtWork{stored.head, std::move(model)};

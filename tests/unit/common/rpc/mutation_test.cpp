@@ -20,6 +20,7 @@ class MutationTest : public ProbeServerTest {
       MORTISE_ASSIGN_OR_RETURN(const int64_t revision,
                                transaction.Put("kept", request.name(), request.value()));
       if (request.value() == "fail") return PreconditionFailed("TOLD_TO_FAIL", "told to fail");
+      if (runs_ <= overtaken_) return rpc::PrepareAgain(absl::AbortedError("overtaken"));
       if (request.value() == "throw") throw std::runtime_error("told to throw");
       Kept kept;
       kept.set_name(request.name());
@@ -44,6 +45,14 @@ class MutationTest : public ProbeServerTest {
     return request;
   }
 
+  absl::StatusOr<Kept> KeepSlowly(const KeepRequest& request) {
+    Kept kept;
+    const absl::Status status =
+        rpc::FromGrpc(stub_->KeepSlowly(Context(rpc::Role::kDesigner).get(), request, &kept));
+    if (!status.ok()) return status;
+    return kept;
+  }
+
   bool Exists(const std::string& key) {
     return store_
         ->Read([&](store::ReadTransaction& read) { return read.Get("kept", key).status(); })
@@ -54,6 +63,7 @@ class MutationTest : public ProbeServerTest {
 
   std::atomic<int> runs_ = 0;
   std::atomic<int> prepared_ = 0;
+  std::atomic<int> overtaken_ = 0;  // so many runs are
 };
 
 TEST_F(MutationTest, ARepeatedRequestGetsTheSameAnswerAndChangesNothing) {
@@ -142,18 +152,27 @@ TEST_F(MutationTest, AuditListsNewestFirstInPages) {
 }
 
 TEST_F(MutationTest, SlowWorkIsDoneOnceAndOutsideTheTransaction) {
-  const auto keep_slowly = [&](const KeepRequest& request) -> absl::StatusOr<Kept> {
-    Kept kept;
-    const absl::Status status =
-        rpc::FromGrpc(stub_->KeepSlowly(Context(rpc::Role::kDesigner).get(), request, &kept));
-    if (!status.ok()) return status;
-    return kept;
-  };
-  EXPECT_EQ(keep_slowly(Request("r-1", "x"))->value(), "prepared x");
-  EXPECT_EQ(keep_slowly(Request("r-1", "x"))->value(), "prepared x");
+  EXPECT_EQ(KeepSlowly(Request("r-1", "x"))->value(), "prepared x");
+  EXPECT_EQ(KeepSlowly(Request("r-1", "x"))->value(), "prepared x");
   EXPECT_EQ(prepared_, 1);
-  EXPECT_EQ(DetailOf(keep_slowly(Request("r-2", "")).status()).field, "value");
+  EXPECT_EQ(DetailOf(KeepSlowly(Request("r-2", "")).status()).field, "value");
   EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(MutationTest, WhatWasOvertakenIsPreparedAgainAndLeavesNothing) {
+  overtaken_ = 2;
+  const auto kept = KeepSlowly(Request("r-1", "x"));
+  ASSERT_OK(kept);
+  EXPECT_EQ(kept->times(), 1);
+  EXPECT_EQ(prepared_, 3);
+  EXPECT_EQ(Audit().size(), 1u);
+}
+
+TEST_F(MutationTest, WhatIsOvertakenAlwaysIsAnsweredSo) {
+  overtaken_ = 1000;
+  EXPECT_EQ(KeepSlowly(Request("r-1", "x")).status().code(), absl::StatusCode::kAborted);
+  EXPECT_EQ(prepared_, rpc::kMostPreparations);
+  EXPECT_FALSE(Exists("a"));
 }
 
 TEST_F(MutationTest, OldAnswersAreForgottenYoungOnesKept) {
