@@ -40,6 +40,7 @@ constexpr std::size_t kComponentPoints = 400;
 constexpr double kSmallest = 1e-6;  // of the largest component: smaller ones are rounding
 constexpr double kRarePart = 0.05;  // of the samples, that may have structures without interpolant
 constexpr double kRounding = 1e-9;
+constexpr double kTooNear = 0.1;            // of the distance of so many points in a row
 constexpr long kMaxInterpolated = 400'000;  // evaluations of what interpolates
 constexpr double kSurely = 3;               // standard deviations
 
@@ -108,13 +109,16 @@ class KnownPoints {
       for (const VectorXd& q : drawn) middle_ += q / static_cast<double>(drawn.size());
     }
     std::vector<VectorXd> wanted;
+    std::map<int, std::vector<VectorXd>> places;  // of what is wanted, by structure
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       if (i % 2 == 1) drawn[i] = ToBoundary(drawn[i]);
       const int structure = manifold_.Structure(drawn[i]);
       ++samples_;
       ++seen_[structure];
-      const bool is_wanted = points_[structure].size() < count && !settled.contains(structure);
-      if (is_wanted) wanted.push_back(std::move(drawn[i]));
+      if (points_[structure].size() >= count || settled.contains(structure)) continue;
+      if (IsKnown(drawn[i], count, structure, places[structure])) continue;
+      places[structure].push_back(Scaled(drawn[i]));
+      wanted.push_back(std::move(drawn[i]));
     }
     const auto values = evaluator_.Evaluate(wanted);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -122,6 +126,22 @@ class KnownPoints {
       points_[manifold_.Structure(wanted[i])].push_back({wanted[i], *values[i]});
     }
     return absl::OkStatus();
+  }
+
+  // Whether a point of the same structure, or of those that are wanted besides, is so near that q
+  // would tell next to nothing that it does not, and what interpolates both is nearly singular. Of
+  // a single parameter many are: half of all points would lie at its ends.
+  bool IsKnown(const VectorXd& q, std::size_t count, int structure,
+               const std::vector<VectorXd>& wanted) const {
+    const double nearest = kTooNear / static_cast<double>(count);
+    const VectorXd place = Scaled(q);
+    const auto found = points_.find(structure);
+    return std::any_of(found->second.begin(), found->second.end(),
+                       [&](const KnownPoint& known) {
+                         return (Scaled(known.parameters) - place).norm() < nearest;
+                       }) ||
+           std::any_of(wanted.begin(), wanted.end(),
+                       [&](const VectorXd& each) { return (each - place).norm() < nearest; });
   }
 
   VectorXd ToBoundary(const VectorXd& q) const {

@@ -7,8 +7,9 @@
 // surrogate models:
 //
 // - Some points are evaluated: samples, and every other one moved along a ray from the middle to
-//   the boundary, so that little lies outside of what is known. They are projected onto their
-//   leading principal components, which leave out no more than δ/20.
+//   the boundary, so that little lies outside of what is known. Those that lie nearly where another
+//   does are left out: they tell nothing, and what interpolates both is nearly singular. They are
+//   projected onto their leading principal components, which leave out no more than δ/20.
 // - Within each structure they are interpolated by cubic radial basis functions with a polynomial
 //   tail (linear, or quadratic where there are points enough). The error is measured by leaving out
 //   one point after the other, which for such functions needs no second fit (Rippa 1999). As long

@@ -16,7 +16,7 @@ namespace mortise::retrieval {
 
 // Changes with what is made of the same template: covers of another version are made again, and
 // workers of another version make none.
-inline constexpr char kCoverVersion[] = "cover 4";
+inline constexpr char kCoverVersion[] = "cover 5";
 
 // Returns the SHA-256 of all that a cover depends on; `content` is SearchedTemplate::digest.
 std::string CoverDigest(const Descriptor& descriptor, double delta, const std::string& content);

@@ -38,6 +38,19 @@ TEST(InterpolatedCover, EvaluatesLittleOfTheManifold) {
   EXPECT_LT(interpolated.cost, 2 * direct.cost);
 }
 
+// A helix of three turns. Rays from the middle of one parameter end in no more than two points.
+TEST(InterpolatedCover, EvaluatesLittleOfOneParameter) {
+  const FunctionManifold helix(testing::Over(
+      VectorXd::Zero(1), VectorXd::Ones(1), 3, [](const VectorXd& q) -> absl::StatusOr<VectorXd> {
+        return Eigen::Vector3d(std::cos(20 * q[0]), std::sin(20 * q[0]), q[0]);
+      }));
+  const Cover cover = CoverByInterpolation(helix, {.delta = 0.02, .seed = 3}).value();
+  EXPECT_EQ(cover.end, CoverEnd::kCovered);
+  EXPECT_LT(cover.evaluations, 250);
+  const ErrorSampling sampling{.count = 500, .seed = 9};
+  EXPECT_LE(Quantile(CoverageErrors(helix, cover.primitives, sampling).value(), 0.99), 0.02);
+}
+
 TEST(InterpolatedCover, KeepsCentresAndAxesInTheSpaceOfTheDescriptor) {
   const FunctionManifold manifold(testing::Sheet());
   const auto cover = CoverByInterpolation(manifold, {.delta = 0.05, .seed = 1});
