@@ -19,9 +19,10 @@ void AddParetoCommands(CLI::App& app, Session& session);  // pareto run|show|des
 void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
 void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
-void AddMapCommands(CLI::App& app, Session& session);  // map build|evaluate|list|show|verify|delete
-void AddMapBuildCommand(CLI::App& map, Session& session);            // of those
-void AddMapEvaluateCommand(CLI::App& map, Session& session);         // of those
+void AddMapCommands(CLI::App& app, Session& session);         // map build|evaluate|optimize|…
+void AddMapBuildCommand(CLI::App& map, Session& session);     // of those
+void AddMapEvaluateCommand(CLI::App& map, Session& session);  // of those
+void AddMapOptimizeCommand(CLI::App& map, Session& session);  // of those
 void AddComposeHistoryCommand(CLI::App& compose, Session& session);  // of those
 void AddComposeCommands(CLI::App& app, Session& session);            // compose new|add|snap …
 void AddComposeRunCommand(CLI::App& compose, Session& session);      // of those

@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "cli/client/assignment.h"
 #include "cli/client/requests.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
@@ -120,6 +121,22 @@ std::string RangeText(const v1::MapParameter& parameter) {
   if (!parameter.choices().empty()) return absl::StrJoin(parameter.choices(), ", ");
   return absl::StrFormat("%.6g to %.6g %s", parameter.minimum(), parameter.maximum(),
                          parameter.unit());
+}
+
+absl::StatusOr<v1::ParameterValue> ParseMapValue(const v1::DesignMap& map, const std::string& text,
+                                                 const std::string& source) {
+  MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, source));
+  const auto parameter =
+      std::ranges::find(map.parameters(), assigned.first, &v1::MapParameter::name);
+  if (parameter == map.parameters().end()) {
+    return InvalidField(source, absl::StrCat(map.name(), " does not vary '", assigned.first,
+                                             "', but ", NamesOf(map)));
+  }
+  v1::ParameterValue value;
+  value.set_name(assigned.first);
+  MORTISE_ASSIGN_OR_RETURN(const double number, ValueOf(*parameter, assigned.second, source));
+  value.set_value(number);
+  return value;
 }
 
 absl::StatusOr<std::vector<double>> ParseMapPoint(const v1::DesignMap& map, const std::string& text,

@@ -24,6 +24,11 @@ absl::StatusOr<std::vector<double>> ParseMapPoint(const v1::DesignMap& map, cons
 absl::StatusOr<std::vector<double>> ParseMapPoints(const v1::DesignMap& map, std::string_view table,
                                                    const std::string& origin);
 
+// Returns "width=0.4", a value of one parameter of the map, as ParseMapPoint reads it.
+// INVALID_ARGUMENT naming `source`.
+absl::StatusOr<v1::ParameterValue> ParseMapValue(const v1::DesignMap& map, const std::string& text,
+                                                 const std::string& source);
+
 // Returns a value of a parameter for people: the name of a choice, or the number.
 std::string ParameterText(const v1::MapParameter& parameter, double value);
 

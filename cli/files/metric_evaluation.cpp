@@ -43,6 +43,7 @@ absl::StatusOr<EvaluatedMetrics> EvaluateMetrics(const std::string& subject,
   const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(subject);
+  describe.set_revision(asked.revision());
   v1::DesignSpace space;
   MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));

@@ -15,9 +15,9 @@ struct EvaluatedMetrics {
   v1::EvaluationResult result;
 };
 
-// Evaluates what `asked` says (metrics, gradients, settings) of a template at the defaults but for
-// `parameters`. INVALID_ARGUMENT naming "parameters[i]" for one that the template does not have,
-// else as the evaluator fails.
+// Evaluates what `asked` says (revision, metrics, gradients, settings) of a subject at the defaults
+// but for `parameters`. INVALID_ARGUMENT naming "parameters[i]" for one that the template does not
+// have, else as the evaluator fails.
 absl::StatusOr<EvaluatedMetrics> EvaluateMetrics(const std::string& subject,
                                                  const std::vector<v1::ParameterValue>& parameters,
                                                  const v1::EvaluateBatchRequest& asked,

@@ -338,6 +338,7 @@ absl::StatusOr<MapOptimum> Optimize(const MapOptimization& problem, const MapFun
                     .metrics = best->metrics,
                     .objective = best->objective,
                     .violation = scaled.Violation(*best),
+                    .starts = static_cast<int>(ends->size()),
                     .starts_that_agree = CountNear(*ends, *best)};
 }
 

@@ -54,7 +54,8 @@ struct MapOptimum {
   // By how much limits are missed at the most, over what the metric ranges between the starts; 0
   // where all are kept.
   double violation = 0;
-  int starts_that_agree = 0;  // how many ended within a thousandth of the box of it
+  int starts = 0;             // from how many places there was anything to search from
+  int starts_that_agree = 0;  // how many of them ended within a thousandth of the box of it
 };
 
 // Returns the best point found that keeps all limits; the one that misses them least where none

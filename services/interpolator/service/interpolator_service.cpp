@@ -50,6 +50,7 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
   MORTISE_QUERY(GetMap, rpc::With(interpolator_, methods::GetMap))
   MORTISE_QUERY(ListMaps, rpc::With(interpolator_, methods::ListMaps))
   MORTISE_QUERY(EvaluateMap, rpc::With(interpolator_, methods::EvaluateMap))
+  MORTISE_QUERY(OptimizeMap, rpc::With(interpolator_, methods::OptimizeMap))
   MORTISE_MUTATION(VerifyMap, rpc::With(interpolator_, methods::VerifyMap))
   MORTISE_MUTATION(UpdateMap, methods::UpdateMap)
   MORTISE_MUTATION(DeleteMap, methods::DeleteMap)

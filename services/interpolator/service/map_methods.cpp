@@ -9,6 +9,7 @@
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
 #include "services/interpolator/service/loaded_maps.h"
+#include "services/interpolator/service/map_optimum.h"
 #include "services/interpolator/service/map_queries.h"
 #include "services/interpolator/service/map_records.h"
 #include "services/interpolator/service/map_specification.h"
@@ -38,6 +39,14 @@ absl::StatusOr<v1::EvaluateMapResponse> EvaluateMap(const Interpolator& interpol
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map,
                            interpolator.loaded->Get(asked.name()));
   return Evaluate(*map, asked);
+}
+
+absl::StatusOr<v1::OptimizeMapResponse> OptimizeMap(const Interpolator& interpolator,
+                                                    const rpc::Call&,
+                                                    const v1::OptimizeMapRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map,
+                           interpolator.loaded->Get(asked.name()));
+  return FindOptimum(*map, asked);
 }
 
 absl::StatusOr<v1::DesignMap> UpdateMap(const rpc::Call& call, const v1::UpdateMapRequest& asked,

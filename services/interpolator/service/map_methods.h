@@ -20,6 +20,10 @@ absl::StatusOr<v1::EvaluateMapResponse> EvaluateMap(const Interpolator& interpol
                                                     const rpc::Call& call,
                                                     const v1::EvaluateMapRequest& asked);
 
+absl::StatusOr<v1::OptimizeMapResponse> OptimizeMap(const Interpolator& interpolator,
+                                                    const rpc::Call& call,
+                                                    const v1::OptimizeMapRequest& asked);
+
 absl::StatusOr<v1::DesignMap> UpdateMap(const rpc::Call& call, const v1::UpdateMapRequest& asked,
                                         store::Transaction& transaction);
 
