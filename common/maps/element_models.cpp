@@ -42,7 +42,7 @@ Eigen::ArrayXd Bends(const Kernel& kernel, double z, const Eigen::ArrayXd& other
 constexpr double kNugget = 1e-9;
 // Samples closer to each other, in edges of the element, are not both used: what bends strongly
 // over a small neighbour would be continued over all of the element.
-constexpr double kLeastDistance = 0.4;
+constexpr double kLeastDistance = 0.2;
 // The most samples of a model: the element's corners, then the nearest.
 constexpr std::size_t kMostSamples = 200;
 
@@ -135,6 +135,10 @@ void ElementModels::Fit(Model& model) const {
   model.linear = linear.transpose();
   model.weights.resize(outputs, count);
   model.kernel_of.assign(outputs, 0);
+  model.trust.setZero(outputs);
+  // Samples on the element count most.
+  const Eigen::ArrayXd nearness =
+      (1 + model.places.colwise().squaredNorm().transpose().array()).inverse();
   Eigen::VectorXd least =
       Eigen::VectorXd::Constant(outputs, std::numeric_limits<double>::infinity());
   for (std::size_t number = 0; number < kKernels.size(); ++number) {
@@ -150,13 +154,32 @@ void ElementModels::Fit(Model& model) const {
     const Eigen::MatrixXd weights = inverse * rest;
     for (Eigen::Index o = 0; o < outputs; ++o) {
       // What each sample differs by from the model of the others (Rippa 1999).
-      const double error = (weights.col(o).array() / inverse.diagonal().array()).matrix().norm();
+      const Eigen::ArrayXd errors = weights.col(o).array() / inverse.diagonal().array();
+      const double error = (errors * nearness).matrix().norm();
       if (!(error < least[o])) continue;
       least[o] = error;
       model.weights.row(o) = weights.col(o).transpose();
       model.kernel_of[o] = static_cast<int>(number);
+      const double bent = (rest.col(o).array() * nearness).matrix().norm();
+      model.trust[o] = bent > 0 ? std::clamp(2 - 2 * error / bent, 0.0, 1.0) : 1.0;
     }
   }
+}
+
+// The corners of the element, also continued beyond it.
+Eigen::VectorXd ElementModels::MultiLinear(int element, const Eigen::VectorXd& place) const {
+  const LatticeBox& box = tree_.LatticeBoxOf(element);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(values_.rows());
+  LatticePoint step{};
+  for (int d = 0; d < tree_.dimension(); ++d) step[d] = box.high[d] - box.low[d];
+  ForEachGridPoint(tree_.dimension(), box, step, [&](const LatticePoint& corner) {
+    double weight = 1;
+    for (int d = 0; d < tree_.dimension(); ++d) {
+      weight *= corner[d] == box.high[d] ? place[d] + 0.5 : 0.5 - place[d];
+    }
+    sum += weight * values_.col(tree_.elements().FindSample(corner));
+  });
+  return sum;
 }
 
 Eigen::VectorXd ElementModels::Coefficient(int element, int level, const LatticePoint& centre) {
@@ -164,6 +187,7 @@ Eigen::VectorXd ElementModels::Coefficient(int element, int level, const Lattice
   const int dimension = tree_.dimension();
   const LatticeBox& box = tree_.LatticeBoxOf(element);
   const Eigen::VectorXd place = LocalPlace(element, centre);
+  const Eigen::VectorXd flat = MultiLinear(element, place);
   Eigen::VectorXd result = model.linear.col(0) + model.linear.rightCols(dimension) * place;
   for (int number = 0; number < static_cast<int>(kKernels.size()); ++number) {
     const auto& used = model.kernel_of;
@@ -179,7 +203,7 @@ Eigen::VectorXd ElementModels::Coefficient(int element, int level, const Lattice
       if (used[o] == number) result[o] += model.weights.row(o).dot(factors.matrix());
     }
   }
-  return result;
+  return flat + model.trust.cwiseProduct(result - flat);
 }
 
 }  // namespace mortise::maps

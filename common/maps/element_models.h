@@ -15,8 +15,10 @@ namespace mortise::maps {
 // neighbours that are not cut off (on the box's faces also on theirs, as there are none on the
 // other side), after a linear function was taken off by least squares: f(z) = linear + Σ_i w_i Π_d
 // k(z_d, z_id), z in edges of the element. Of three kernels k, from nearly a polynomial to a narrow
-// Gaussian, that is taken which predicts each sample best from the others (leaving one out). Linear
-// functions are their own models.
+// Gaussian, that is taken which predicts each sample best from the others (leaving one out). Where
+// it does so hardly better than the linear function, as at a kink or a narrow peak, the
+// multi-linear function through the element's corners takes its place, which does not overshoot.
+// Linear functions are their own models.
 class ElementModels {
  public:
   // values: outputs × samples; cut_off: as of ComputeCoefficients. All three outlive this.
@@ -31,6 +33,7 @@ class ElementModels {
 
  private:
   struct Model {
+    Eigen::VectorXd trust{};  // for each output, from 0 (multi-linear) to 1
     std::vector<int> samples{};
     Eigen::MatrixXd places{};      // K × samples, in edges from the element's centre
     Eigen::MatrixXd linear{};      // outputs × (1 + K)
@@ -38,6 +41,7 @@ class ElementModels {
     std::vector<int> kernel_of{};  // for each output, the number of its kernel
   };
   const Model& ModelOf(int element);
+  Eigen::VectorXd MultiLinear(int element, const Eigen::VectorXd& place) const;
   void Fit(Model& model) const;
   Eigen::VectorXd LocalPlace(int element, const LatticePoint& point) const;
   std::vector<int> SamplesAround(int element) const;

@@ -121,8 +121,8 @@ class MapSampling {
   std::vector<std::pair<Eigen::VectorXd, std::string>> Failures() const;
 
   // Elements and samples of the present round, with the linear basis: its errors choose where to
-  // split for a cubic map, too, whose own errors are measured whenever a quarter more points are
-  // known.
+  // split for a cubic map, too, whose own errors are measured whenever half as many points again
+  // are known.
   const RefinementTree& tree() const;
   // The map as it is after the last complete round. FAILED_PRECONDITION, reason MAP_NOT_SAMPLED,
   // before the first.

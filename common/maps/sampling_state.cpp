@@ -221,7 +221,7 @@ std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() cons
 // Splits until the round asks for enough points. Returns whether anything was split.
 bool MapSampling::State::StartRound() {
   if (options_.basis == Basis::kCubic && points_.count() >= next_smooth_) {
-    next_smooth_ = points_.count() + points_.count() / 4;
+    next_smooth_ = points_.count() + points_.count() / 2;
     MeasureSmooth();
   }
   const int before = points_.count();

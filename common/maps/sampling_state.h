@@ -78,8 +78,8 @@ class MapSampling::State {
   int cut_off_asked_ = 0;           // points that splits of what is cut off have cost
   int rounds_ = 0;
   std::size_t complete_splits_ = 0;  // of the history, when the last round was complete
-  // Of a cubic map, which is measured whenever a quarter more points are known: it takes all of the
-  // map.
+  // Of a cubic map, which is measured whenever half as many points again are known: it takes all of
+  // the map.
   MapErrors smooth_errors_;
   bool smooth_enough_ = false;
   int next_smooth_ = 0;
