@@ -86,7 +86,7 @@ StandIns::StandIns(const std::filesystem::path& state) {
 }
 
 void StandIns::Learn(const std::string& printed) {
-  static const std::regex name("(plans|fronts|workOrders|operations/[a-z]+)/[0-9a-z]{26}");
+  static const std::regex name("(plans|fronts|maps|workOrders|operations/[a-z]+)/[0-9a-z]{26}");
   for (auto match = std::sregex_iterator(printed.begin(), printed.end(), name);
        match != std::sregex_iterator(); ++match) {
     real_[absl::StrCat((*match)[1].str(), "/", kStandInId)] = match->str();

@@ -30,9 +30,9 @@ std::vector<ManualBlock> ReadManual(const std::string& document);
 // README.md and every page in docs/.
 std::vector<std::string> ManualDocuments();
 
-// Puts what is real in the place of what stands for it in the manual: plans/0198c1, fronts/0198c1
-// and workOrders/0198c1 are the last such names that a command printed, and the usual addresses
-// 127.0.0.1:7700 and 127.0.0.1:7780 are those of the house on `state`.
+// Puts what is real in the place of what stands for it in the manual: plans/0198c1, fronts/0198c1,
+// maps/0198c1 and workOrders/0198c1 are the last such names that a command printed, and the usual
+// addresses 127.0.0.1:7700 and 127.0.0.1:7780 are those of the house on `state`.
 class StandIns {
  public:
   explicit StandIns(const std::filesystem::path& state);
