@@ -1,0 +1,246 @@
+#include "common/templates/features/edge_samples.h"
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRep_Tool.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/base/errors.h"
+#include "common/cad/solid_kernel.h"
+
+namespace mortise::cad {
+namespace {
+
+constexpr int kMaxSamples = 100000;
+constexpr int kWayPieces = 8;       // of a path, so that it follows its edge
+constexpr int kClosedPieces = 4;    // of a closed edge, at least
+constexpr double kNoLength = 1e-9;  // m
+
+std::string JoinSorted(const std::set<std::string>& names) { return absl::StrJoin(names, " & "); }
+
+struct NamedEdge {
+  TopoDS_Edge edge;
+  std::string first_name;
+  std::string left_face;   // the lower of the names of its faces
+  int from = -1, to = -1;  // vertices, along the curve; the same of a closed edge
+};
+
+struct NamedVertex {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  std::set<std::string> faces, edges;  // first names
+  int ends = 0;                        // of edges
+};
+
+class Sampler {
+ public:
+  Sampler(const RegeneratedModel& model, double spacing)
+      : shape_(model.solid.kernel().shape), spacing_(spacing) {
+    const std::vector<TopoDS_Face>& faces = model.solid.kernel().faces;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      std::set<std::string> names;
+      for (const FaceName& name : model.origins[i]) names.insert(ToString(name));
+      face_names_[faces_.Add(faces[i])] = absl::StrJoin(names, " = ");
+    }
+  }
+
+  absl::StatusOr<mesh::ControlVariables> Sample() {
+    CollectVertices();
+    CollectEdges();
+    NameVertices();
+    for (const auto& [name, edge] : NameEdges()) MORTISE_RETURN_IF_ERROR(SampleEdge(name, edge));
+    return std::move(variables_);
+  }
+
+ private:
+  void CollectVertices() {
+    TopExp::MapShapes(shape_, TopAbs_VERTEX, vertex_shapes_);
+    vertices_.resize(static_cast<std::size_t>(vertex_shapes_.Extent()) + 1);
+    for (int v = 1; v <= vertex_shapes_.Extent(); ++v) {
+      const gp_Pnt place = BRep_Tool::Pnt(TopoDS::Vertex(vertex_shapes_(v)));
+      vertices_[static_cast<std::size_t>(v)].position << place.X(), place.Y(), place.Z();
+    }
+    for (int f = 1; f <= faces_.Extent(); ++f) {
+      for (TopExp_Explorer at(faces_(f), TopAbs_VERTEX); at.More(); at.Next()) {
+        vertices_[static_cast<std::size_t>(vertex_shapes_.FindIndex(at.Current()))].faces.insert(
+            face_names_.at(f));
+      }
+    }
+  }
+
+  // Takes the edges between two faces, which seams are not.
+  void CollectEdges() {
+    TopTools_IndexedDataMapOfShapeListOfShape beside;
+    TopExp::MapShapesAndUniqueAncestors(shape_, TopAbs_EDGE, TopAbs_FACE, beside);
+    for (int i = 1; i <= beside.Extent(); ++i) {
+      const TopoDS_Edge& edge = TopoDS::Edge(beside.FindKey(i));
+      if (BRep_Tool::Degenerated(edge) || beside(i).Extent() != 2) continue;
+      std::vector<std::pair<std::string, TopoDS_Shape>> faces;
+      for (const TopoDS_Shape& face : beside(i)) {
+        faces.emplace_back(face_names_.at(faces_.FindIndex(face)), face);
+      }
+      std::sort(faces.begin(), faces.end(),
+                [](const auto& a, const auto& b) { return a.first < b.first; });
+      NamedEdge named;
+      named.edge = AlongFace(edge, TopoDS::Face(faces[0].second));
+      named.left_face = faces[0].first;
+      named.first_name = absl::StrCat(faces[0].first, " & ", faces[1].first);
+      named.from = vertex_shapes_.FindIndex(TopExp::FirstVertex(named.edge, Standard_True));
+      named.to = vertex_shapes_.FindIndex(TopExp::LastVertex(named.edge, Standard_True));
+      if (named.from == 0 || named.to == 0) continue;
+      for (const int end : {named.from, named.to}) {
+        vertices_[static_cast<std::size_t>(end)].edges.insert(named.first_name);
+        ++vertices_[static_cast<std::size_t>(end)].ends;
+      }
+      edges_.push_back(std::move(named));
+    }
+  }
+
+  // Returns the edge as it bounds the face.
+  static TopoDS_Edge AlongFace(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+    for (TopExp_Explorer at(face, TopAbs_EDGE); at.More(); at.Next()) {
+      if (at.Current().IsSame(edge)) return TopoDS::Edge(at.Current());
+    }
+    return edge;
+  }
+
+  std::string FirstNameOf(int vertex) const {
+    return JoinSorted(vertices_[static_cast<std::size_t>(vertex)].faces);
+  }
+
+  // A vertex at which one closed edge begins and ends, or none, is of a seam.
+  bool IsOfSeam(int vertex) const {
+    const NamedVertex& of = vertices_[static_cast<std::size_t>(vertex)];
+    return of.faces.size() < 2 || of.ends < 2 || (of.ends == 2 && of.edges.size() == 1);
+  }
+
+  void NameVertices() {
+    std::map<std::string, std::vector<int>> by_name;
+    for (int v = 1; v <= vertex_shapes_.Extent(); ++v) {
+      if (IsOfSeam(v)) continue;
+      by_name[absl::StrCat(FirstNameOf(v), " of ",
+                           JoinSorted(vertices_[static_cast<std::size_t>(v)].edges))]
+          .push_back(v);
+    }
+    for (const auto& [name, of_name] : by_name) {
+      if (of_name.size() > 1) continue;
+      point_of_vertex_[of_name[0]] =
+          AddPoint(name, vertices_[static_cast<std::size_t>(of_name[0])].position);
+    }
+  }
+
+  std::map<std::string, NamedEdge> NameEdges() const {
+    std::map<std::string, std::vector<NamedEdge>> by_name;
+    for (const NamedEdge& edge : edges_) {
+      std::vector<std::string> ends = {FirstNameOf(edge.from), FirstNameOf(edge.to)};
+      std::sort(ends.begin(), ends.end());
+      const std::string between =
+          edge.from == edge.to ? " around" : absl::StrCat(" between ", ends[0], " and ", ends[1]);
+      by_name[edge.first_name + between].push_back(edge);
+    }
+    std::map<std::string, NamedEdge> named;
+    for (const auto& [name, edges] : by_name) {
+      if (edges.size() == 1) named.emplace(name, edges[0]);
+    }
+    return named;
+  }
+
+  int AddPoint(std::string name, const Eigen::Vector3d& position) {
+    variables_.points.push_back({std::move(name), position});
+    return static_cast<int>(variables_.points.size()) - 1;
+  }
+
+  absl::Status SampleEdge(const std::string& name, const NamedEdge& edge) {
+    const BRepAdaptor_Curve curve(edge.edge);
+    const double length = GCPnts_AbscissaPoint::Length(curve);
+    if (!(length > kNoLength)) return absl::OkStatus();
+    const bool is_closed = edge.from == edge.to;
+    int pieces = is_closed ? kClosedPieces : 1;
+    while (length / pieces > spacing_) {
+      pieces *= 2;
+      if (static_cast<int>(variables_.points.size()) + pieces > kMaxSamples) {
+        return TooLarge("the samples of the model's edges", absl::StrCat(kMaxSamples, " points"));
+      }
+    }
+    const bool is_backward = (edge.edge.Orientation() == TopAbs_REVERSED) !=
+                             (!is_closed && FirstNameOf(edge.to) < FirstNameOf(edge.from));
+    const auto at = [&](double share) {
+      const double along = (is_backward ? 1 - share : share) * length;
+      const double parameter =
+          GCPnts_AbscissaPoint(curve, along, curve.FirstParameter()).Parameter();
+      const gp_Pnt place = curve.Value(parameter);
+      return Eigen::Vector3d(place.X(), place.Y(), place.Z());
+    };
+    const int low = FirstNameOf(edge.to) < FirstNameOf(edge.from) ? edge.to : edge.from;
+    const int high = low == edge.from ? edge.to : edge.from;
+    std::vector<int> points;
+    for (int i = 0; i <= pieces; ++i) {
+      const bool is_end = i == 0 || i == pieces;
+      if (is_end && !is_closed) {
+        const auto end = point_of_vertex_.find(i == 0 ? low : high);
+        points.push_back(end == point_of_vertex_.end() ? -1 : end->second);
+      } else if (i == pieces) {
+        points.push_back(points.front());
+      } else {
+        const int divisor = std::gcd(i, pieces);
+        const std::string place = absl::StrCat(" at ", i / divisor, "/", pieces / divisor);
+        points.push_back(AddPoint(name + place, at(static_cast<double>(i) / pieces)));
+      }
+    }
+    for (int i = 0; i < pieces; ++i) AddPath(name, points, i, at);
+    return absl::OkStatus();
+  }
+
+  template <typename At>
+  void AddPath(const std::string& name, const std::vector<int>& points, int piece, const At& at) {
+    const auto index = static_cast<std::size_t>(piece);
+    if (points[index] < 0 || points[index + 1] < 0) return;
+    const auto pieces = static_cast<double>(points.size() - 1);
+    mesh::ControlVariables::Path path{name, points[index], points[index + 1], {}};
+    path.way.resize(3, kWayPieces + 1);
+    for (int k = 0; k <= kWayPieces; ++k) {
+      path.way.col(k) = at((piece + static_cast<double>(k) / kWayPieces) / pieces);
+    }
+    variables_.paths.push_back(std::move(path));
+  }
+
+  TopoDS_Shape shape_;
+  double spacing_;
+  TopTools_IndexedMapOfShape faces_, vertex_shapes_;
+  std::map<int, std::string> face_names_;  // by index in `faces_`
+  std::vector<NamedVertex> vertices_;      // by index in `vertex_shapes_`
+  std::vector<NamedEdge> edges_;
+  std::map<int, int> point_of_vertex_;
+  mesh::ControlVariables variables_;
+};
+
+}  // namespace
+
+absl::StatusOr<mesh::ControlVariables> FindControlVariables(const RegeneratedModel& model,
+                                                            double spacing) {
+  if (!std::isfinite(spacing) || spacing <= 0) {
+    return InvalidField("spacing", absl::StrCat("is ", spacing, " m, not positive"));
+  }
+  try {
+    return Sampler(model, spacing).Sample();
+  } catch (const Standard_Failure& failure) {
+    return KernelFailure("sampling the edges of a solid",
+                         failure.GetMessageString() ? failure.GetMessageString() : "");
+  }
+}
+
+}  // namespace mortise::cad
