@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/mesh/control_variables.h"
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/interpolator/mapping/marked_surface.h"
 #include "services/interpolator/mapping/surface_map.h"
@@ -40,6 +41,19 @@ struct MeshMap {
 // Maps every node of the target. Fails as MapSurface and MapVolume do, with fields below "source"
 // and "target".
 absl::StatusOr<MeshMap> MapMesh(const MarkedMesh& source, const MarkedMesh& target,
+                                const LayoutOptions& layout = {},
+                                const VolumeMapOptions& volume = {});
+
+// A mesh of a CAD model with the model's control variables, which need not be nodes of it.
+struct ModelMesh {
+  mesh::TetrahedralMesh mesh;
+  mesh::ControlVariables variables;
+};
+
+// Does the same for two models, whose control variables are found on their surfaces
+// (control_points.h). Places are in triangles of the source's surface with these: those of
+// PlaceControlVariables of its outer surface.
+absl::StatusOr<MeshMap> MapMesh(const ModelMesh& source, const ModelMesh& target,
                                 const LayoutOptions& layout = {},
                                 const VolumeMapOptions& volume = {});
 
