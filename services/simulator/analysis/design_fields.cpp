@@ -28,7 +28,7 @@ struct Faceted {
   const std::vector<mesh::AssemblyFace>& faces;
 };
 
-// Adds to `regions`, by name, the faces that belong to each.
+// The faces that belong to each region, by its name.
 class RegionNames {
  public:
   void Add(const std::string& name, int face) {

@@ -286,8 +286,13 @@ absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analys
                            CollectFields(model, analysis, ReadDemand(wanted)));
   const absl::StatusOr<std::string> bytes = fields::WriteFields(design, ReadWriteOptions(wanted));
   if (!bytes.ok()) return UnderField("design_fields", bytes.status());
-  MORTISE_ASSIGN_OR_RETURN(const std::string sha256, context.upload(*bytes));
-  *report.mutable_result()->mutable_design_fields() = Describe(design, sha256, bytes->size());
+  const absl::StatusOr<std::string> sha256 = context.upload(*bytes);
+  if (!sha256.ok()) {
+    // No fault of the design's, whatever the reason: the next try may find room.
+    return absl::UnavailableError(absl::StrCat("the file of shape and fields could not be stored: ",
+                                               sha256.status().message()));
+  }
+  *report.mutable_result()->mutable_design_fields() = Describe(design, *sha256, bytes->size());
   return absl::OkStatus();
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -216,6 +217,25 @@ TEST_F(DesignFieldsTest, WhatIsKnownWithItsFileIsGivenAgainAndElseComputedAgain)
     EXPECT_EQ(Sha256Hex(Download(first.design_fields().sha256())), first.design_fields().sha256());
   }
   EXPECT_TRUE(EvaluateOne(without).cached());
+}
+
+// As on a full disk: it is no fault of the design's, and the next who asks gets it.
+TEST_F(DesignFieldsTest, AFileThatCannotBeStoredIsNoResult) {
+  const auto worker = StartWorker("worker");
+  const v1::EvaluateBatchRequest request = Table({"mass"}, {}, v1::SURFACE);
+  const std::filesystem::path blobs = service_.folder() / "blobs";
+  const std::filesystem::path away = service_.folder() / "away";
+  std::filesystem::rename(blobs, away);
+  std::ofstream(blobs) << "in the way";
+  const auto results = Evaluate(request);
+  ASSERT_TRUE(results.ok()) << results.status();
+  const absl::Status failure = rpc::FromProto(results->at(0).error());
+  EXPECT_TRUE(absl::IsUnavailable(failure)) << failure;
+  EXPECT_THAT(std::string(failure.message()), HasSubstr("could not be stored"));
+  std::filesystem::remove(blobs);
+  std::filesystem::rename(away, blobs);
+  const v1::EvaluationResult stored = EvaluateOne(request);
+  EXPECT_TRUE(fields::ReadFields(Download(stored.design_fields().sha256())).ok());
 }
 
 TEST_F(DesignFieldsTest, DesignsBesideAPointHaveNoFile) {

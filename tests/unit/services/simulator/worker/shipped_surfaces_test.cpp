@@ -18,10 +18,12 @@
 #include "common/cad/stretch/solid_shape.h"
 #include "common/cad/surface/assembly_surface.h"
 #include "common/design/parameter_values.h"
+#include "common/fields/design_fields.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "common/templates/template_codec.h"
+#include "services/simulator/analysis/design_fields.h"
 #include "services/simulator/worker/template_model.h"
 #include "tests/support/replaced_program.h"
 #include "tests/unit/common/templates/shipped_collection.h"
@@ -46,6 +48,11 @@ TEST_P(ShippedSurfacesTest, CanBeMeshed) {
   EXPECT_EQ(mesh::CheckAssembly(model->surface), absl::OkStatus());
   const auto crossing = mesh::FindIntersections(model->surface.vertices, model->surface.triangles);
   EXPECT_TRUE(crossing.empty()) << "at " << crossing.front().place.transpose();
+  // Its parts and regions have names of their own, however many copies there are.
+  const auto shape = CollectFields(*model, DesignAnalysis(), {});
+  ASSERT_TRUE(shape.ok()) << shape.status();
+  EXPECT_EQ(fields::Check(*shape), absl::OkStatus());
+  EXPECT_EQ(shape->triangles.cols(), model->surface.triangles.cols());
 }
 
 std::vector<std::string> AssembliesThatShip() {
