@@ -17,6 +17,7 @@ namespace mortise::parametric {
 namespace {
 
 constexpr int kNone = -1;
+constexpr double kReached = 1e-4;  // m
 
 // A node of the assembly's tree, and which parts are drawn below it.
 struct Node {
@@ -115,14 +116,47 @@ std::vector<bool> PartsThatStay(const Assembly& assembly, const TouchingParts& t
   return stays;
 }
 
+// Whether two boxes have more in common than faces that lie against each other.
+bool ReachIntoEachOther(const BoundingBox& a, const BoundingBox& b) {
+  return (a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum)).minCoeff() > kReached;
+}
+
+// Of each connecting part whether it, or what it belongs together with, holds parts outside of the
+// sub-tree together by itself: it reaches into several of them, and into none inside, as a screw
+// does whose tip only just comes to the face of a board.
+std::vector<bool> HoldByThemselves(const Assembly& assembly, const TouchingParts& touching,
+                                   const std::vector<bool>& inside) {
+  const std::vector<int> together = ConnectingTogether(assembly, touching);
+  std::vector<std::set<int>> reached(inside.size());
+  for (const auto& [a, b] : touching) {
+    const AssemblyPart& first = assembly.parts[static_cast<std::size_t>(a)];
+    const AssemblyPart& second = assembly.parts[static_cast<std::size_t>(b)];
+    if (first.connecting == second.connecting) continue;
+    if (!ReachIntoEachOther(first.box, second.box)) continue;
+    const int connecting = first.connecting ? a : b;
+    const auto of = static_cast<std::size_t>(together[static_cast<std::size_t>(connecting)]);
+    reached[of].insert(first.connecting ? b : a);
+  }
+  std::vector<bool> hold;
+  for (const int of : together) {
+    const std::set<int>& principals = reached[static_cast<std::size_t>(of)];
+    hold.push_back(principals.size() > 1 &&
+                   std::none_of(principals.begin(), principals.end(), [&](int principal) {
+                     return inside[static_cast<std::size_t>(principal)];
+                   }));
+  }
+  return hold;
+}
+
 // Which parts are left without the sub-tree.
 std::vector<bool> PartsLeft(const Assembly& assembly, const TouchingParts& touching,
                             const std::vector<bool>& inside) {
   const Reach reach = ReachOf(assembly, touching, inside);
+  const std::vector<bool> hold = HoldByThemselves(assembly, touching, inside);
   std::vector<bool> left;
   for (std::size_t i = 0; i < inside.size(); ++i) {
-    left.push_back(assembly.parts[i].connecting ? !reach.in[i] && (reach.out[i] || !inside[i])
-                                                : !inside[i]);
+    const bool stays = (hold[i] || !reach.in[i]) && (reach.out[i] || !inside[i]);
+    left.push_back(assembly.parts[i].connecting ? stays : !inside[i]);
   }
   return left;
 }

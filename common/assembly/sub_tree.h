@@ -31,8 +31,10 @@ absl::StatusOr<std::vector<std::string>> PartsOfNode(const Assembly& assembly,
 
 // Returns what is left of a valid assembly when the sub-tree below `node` is taken out, which names
 // as in SubTreeOf. Connecting parts that belong together go as soon as one of the principal parts
-// that they touch goes, wherever they are drawn; those that touch none go with their group. Groups
-// and joints stay as far as there are parts left in them.
+// that they touch goes, wherever they are drawn; those that touch none go with their group. Those
+// stay that reach into several principal parts that stay, and only lie against what goes, as a
+// screw does whose tip comes to the face of a board. Groups and joints stay as far as there are
+// parts left in them.
 //
 // INVALID_ARGUMENT, "group", where nothing is called so, or it has no principal parts;
 // FAILED_PRECONDITION, NOTHING_LEFT, if no principal part is left. Fails also as FindTouchingParts

@@ -172,6 +172,21 @@ TEST(WithoutSubTreeTest, ThePartOfARowTakesItsOwnFasteners) {
   EXPECT_THAT(ValidateAssembly(made), IsEmpty());
 }
 
+// A screw from below through a beam into a shaft, up to the floor that lies on that.
+TEST(WithoutSubTreeTest, WhatOnlyLiesAgainstItStays) {
+  Assembly cart = Named("cart", {ResizablePart("beam", {0, 0, 0}, {0.1, 1, 0.06}),
+                                 ResizablePart("shaft", {0, 0, 0.06}, {0.1, 1, 0.15}),
+                                 ResizablePart("floor", {0, 0, 0.15}, {0.1, 1, 0.162}),
+                                 ResizablePart("screw", {0.04, 0.5, 0.03}, {0.046, 0.506, 0.15}),
+                                 ResizablePart("plate", {0.1, 0, 0.05}, {0.103, 0.1, 0.162})});
+  for (const std::size_t connecting : {3, 4}) cart.parts[connecting].connecting = true;
+  ASSERT_OK_AND_ASSIGN(const Assembly made, WithoutSubTree(cart, "floor"));
+  // The plate lies against all three, and reaches into none of them.
+  EXPECT_THAT(PartsOf(made), ElementsAre("beam", "shaft", "screw"));
+  ASSERT_OK_AND_ASSIGN(const Assembly without_shaft, WithoutSubTree(cart, "shaft"));
+  EXPECT_THAT(PartsOf(without_shaft), ElementsAre("beam", "floor"));
+}
+
 // The sub-tree and what is left without it share no part, and what is in neither held them
 // together.
 TEST(WithoutSubTreeTest, ItIsTheOtherSideOfTheSubTree) {

@@ -31,6 +31,18 @@ TEST(RemovalTest, ADrawerGoesWithItsSlides) {
   EXPECT_FALSE(model.assembly->AdjustableSizes()->empty());
 }
 
+// Its box lies on the tips of the screws that hold the axle to the shafts.
+TEST(RemovalTest, TheAxleOfACartStaysHeldWithoutItsBox) {
+  const Design cart = AsDrawn(parametric::ReadShippedAssembly("garden_cart").value()).value();
+  ASSERT_OK_AND_ASSIGN(const parametric::Assembly left, WithoutNode(cart, "box"));
+  const auto count = [&](const std::string& name) {
+    return std::count_if(left.parts.begin(), left.parts.end(),
+                         [&](const auto& part) { return part.name.starts_with(name); });
+  };
+  EXPECT_EQ(count("axle beam screw"), 2);
+  EXPECT_EQ(count("floor"), 0);
+}
+
 TEST(RemovalTest, ItIsTakenOutOfTheDesignAsItIsNow) {
   Design design = Cabinet();
   ASSERT_OK_AND_ASSIGN(const parametric::Adjustment wider,
