@@ -14,6 +14,8 @@
 namespace mortise::cli {
 namespace {
 
+constexpr std::size_t kMostNamed = 5;
+
 // "900 x 300 x 1800 mm".
 std::string SizeText(const v1::Vector3& minimum, const v1::Vector3& maximum) {
   return absl::StrFormat("%.4g x %.4g x %.4g mm", 1000 * (maximum.x() - minimum.x()),
@@ -43,6 +45,15 @@ std::string PartsText(const v1::Model& model, const std::string& component) {
   return absl::StrCat(parts);
 }
 
+// What is named besides the first: " with 'back', 'bottom' and 3 more".
+std::string OthersText(const std::vector<std::string>& others) {
+  if (others.empty()) return "";
+  const auto named = static_cast<std::ptrdiff_t>(std::min(others.size(), kMostNamed));
+  return absl::StrCat(
+      " with '", absl::StrJoin(others.begin(), others.begin() + named, "', '"), "'",
+      others.size() > kMostNamed ? absl::StrCat(" and ", others.size() - kMostNamed, " more") : "");
+}
+
 }  // namespace
 
 void PrintModel(const v1::Model& model, Output& output) {
@@ -58,8 +69,12 @@ void PrintModel(const v1::Model& model, Output& output) {
   }
   output.Table({"component", "of", "state", "parts", "size", "from"}, rows);
   for (const v1::ModelWarning& warning : model.warnings()) {
-    output.Line(absl::StrCat("warning: '", warning.element(), "' of ", warning.component(),
-                             " and '", warning.other_element(), "': ", warning.text()));
+    const std::string others =
+        warning.elements().empty()
+            ? absl::StrCat(" and '", warning.other_element(), "'")
+            : OthersText({warning.elements().begin() + 1, warning.elements().end()});
+    output.Line(absl::StrCat("warning: '", warning.element(), "' of ", warning.component(), others,
+                             ": ", warning.text()));
   }
   output.DocumentOf(model);
 }

@@ -105,14 +105,6 @@ void JudgeSurface(const SurfaceCheck& check, std::vector<Finding>& findings) {
        load.tipping_source});
 }
 
-std::vector<std::string> PrincipalNames(const parametric::Assembly& drawn) {
-  std::vector<std::string> names;
-  for (const parametric::AssemblyPart& part : drawn.parts) {
-    if (!part.connecting) names.push_back(part.name);
-  }
-  return names;
-}
-
 void TellWhatIsJudged(HoldingReport& report) {
   report.judged = {
       absl::StrCat("toppling on a level floor, in ", report.standing.poses.size(),

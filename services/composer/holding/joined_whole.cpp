@@ -1,5 +1,6 @@
 // Judges how the parts of a model are joined to a whole: a graph of parts and joints.
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -60,16 +61,17 @@ class WholeJudge {
   WholeJudge(const std::vector<std::string>& parts, const std::vector<Joint>& joints)
       : parts_(parts), joints_(joints) {
     for (std::size_t i = 0; i < parts.size(); ++i) index_of_[parts[i]] = i;
+    FindStanding();
   }
 
   std::vector<Finding> Judge() {
     const Clusters touching = Joined([](const Joint&) { return true; });
-    AddRest(touching, Severity::kFault, "unconnected", "not even touching the rest");
+    AddRest(touching, Severity::kFault, kUnconnected, "not even touching the rest");
     const Clusters fastened = Joined([](const Joint& joint) { return !joint.fasteners.empty(); });
     // What does not even touch is told of already.
     for (const auto& [first, members] : Apart(fastened)) {
       if (IsRest(touching, first)) {
-        Add(Severity::kWarning, "only-touches", members,
+        Add(Severity::kWarning, kOnlyTouches, members,
             "nothing fastens it to what it touches; whether it is glued is not known", 0, 1);
       }
     }
@@ -90,24 +92,51 @@ class WholeJudge {
     return clusters;
   }
 
-  static std::size_t LargestOf(const Clusters& clusters) {
-    std::size_t largest = 0, size = 0;
-    for (const auto& [first, members] : clusters.All()) {
-      if (members.size() <= size) continue;
-      size = members.size();
-      largest = first;
+  // Finds the parts that stand on the floor, by themselves or by what is fastened to them, as
+  // castors are.
+  void FindStanding() {
+    double floor = std::numeric_limits<double>::infinity();
+    const auto lowest_of = [](const Joint& joint, const JoinedPart& part) {
+      double lowest = part.box.minimum.z();
+      for (const Fastener& fastener : joint.fasteners) {
+        lowest = std::min(lowest, fastener.box.minimum.z());
+      }
+      return lowest;
+    };
+    for (const Joint& joint : joints_) {
+      for (const JoinedPart& part : joint.principals)
+        floor = std::min(floor, lowest_of(joint, part));
     }
-    return largest;
+    for (const Joint& joint : joints_) {
+      for (const JoinedPart& part : joint.principals) {
+        if (lowest_of(joint, part) > floor + kMaxOverlap) continue;
+        standing_.insert(index_of_.at(part.name));
+      }
+    }
   }
 
-  static bool IsRest(const Clusters& clusters, std::size_t part) {
-    return clusters.Of(part) == LargestOf(clusters);
+  // The largest cluster of those that stand.
+  std::size_t RestOf(const Clusters& clusters) const {
+    std::size_t rest = 0;
+    std::pair<bool, std::size_t> largest;
+    for (const auto& [first, members] : clusters.All()) {
+      const bool stands = std::any_of(members.begin(), members.end(),
+                                      [&](std::size_t part) { return standing_.contains(part); });
+      if (std::pair(stands, members.size()) <= largest) continue;
+      largest = {stands, members.size()};
+      rest = first;
+    }
+    return rest;
   }
 
-  // The clusters but for the largest.
-  static std::map<std::size_t, std::vector<std::size_t>> Apart(const Clusters& clusters) {
+  bool IsRest(const Clusters& clusters, std::size_t part) const {
+    return clusters.Of(part) == RestOf(clusters);
+  }
+
+  // The clusters but for the rest.
+  std::map<std::size_t, std::vector<std::size_t>> Apart(const Clusters& clusters) const {
     auto all = clusters.All();
-    all.erase(LargestOf(clusters));
+    all.erase(RestOf(clusters));
     return all;
   }
 
@@ -170,7 +199,7 @@ class WholeJudge {
     std::map<std::pair<std::size_t, std::size_t>, Held> pairs;
     std::map<std::size_t, Held> to_others;
     Collect(rigid, pairs, to_others);
-    const std::size_t largest = LargestOf(rigid);
+    const std::size_t largest = RestOf(rigid);
     const auto all = rigid.All();
     for (const auto& [first, held] : to_others) {
       if (first == largest || !held.OnOneAxis()) continue;
@@ -195,6 +224,7 @@ class WholeJudge {
   const std::vector<std::string>& parts_;
   const std::vector<Joint>& joints_;
   std::map<std::string, std::size_t> index_of_;
+  std::set<std::size_t> standing_;  // parts
   std::vector<Finding> findings_;
 };
 

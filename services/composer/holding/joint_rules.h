@@ -37,6 +37,10 @@ struct JointRules {
 // boxes, so that parts that do not fill theirs are left out, and so are pins at a slant.
 std::vector<Finding> JudgeJoints(const std::vector<Joint>& joints, const JointRules& rules = {});
 
+// Rules of what nothing holds.
+inline constexpr char kUnconnected[] = "unconnected";
+inline constexpr char kOnlyTouches[] = "only-touches";
+
 // Returns what is wrong with how the principal parts of these names are joined to a whole, our own:
 //
 //   unconnected   a fault: parts that do not even touch the rest
@@ -45,7 +49,8 @@ std::vector<Finding> JudgeJoints(const std::vector<Joint>& joints, const JointRu
 //   can-turn      a warning: what is held by pins on one axis alone turns about it. What a joint
 //                 of the assembly moves, wheels and bearings are to turn
 //
-// The rest is what has the most parts, of several the one with the first part.
+// The rest is what has the most parts, of several the one with the first part; of what stands on
+// the floor, which is as low as the lowest part or fastener of the joints.
 std::vector<Finding> JudgeWhole(const std::vector<std::string>& parts,
                                 const std::vector<Joint>& joints);
 

@@ -100,6 +100,14 @@ std::vector<Joint> JointsOf(const Assembly& drawn,
   return joints;
 }
 
+std::vector<std::string> PrincipalNames(const Assembly& drawn) {
+  std::vector<std::string> names;
+  for (const AssemblyPart& part : drawn.parts) {
+    if (!part.connecting) names.push_back(part.name);
+  }
+  return names;
+}
+
 double DepthIn(const Fastener& pin, const JoinedPart& part) {
   if (CommonDepth(pin.box, part.box) <= kMaxOverlap) return 0;
   return std::min(pin.box.maximum[pin.axis], part.box.maximum[pin.axis]) -

@@ -53,6 +53,9 @@ std::vector<Joint> JointsOf(const parametric::Assembly& drawn,
                             const std::vector<parametric::Item>& items,
                             const std::vector<parametric::Material>& materials);
 
+// Returns the names of the principal parts of an assembly, in order.
+std::vector<std::string> PrincipalNames(const parametric::Assembly& drawn);
+
 // Returns how long a pin is in a part, m: along its axis, where it is within the part across it, or
 // at least reaches into it; 0 if it does not.
 double DepthIn(const Fastener& pin, const JoinedPart& part);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "services/composer/connecting/connect.h"
 #include "services/composer/service/new_body.h"
 #include "services/composer/service/turn_methods.h"
+#include "services/composer/service/unheld_warnings.h"
 #include "services/composer/snapping/snap.h"
 
 namespace mortise::composer::methods {
@@ -331,6 +333,7 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
   MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
                            FindComponent(model, asked.component()));
   TellOf(connected, sources, component, &model);
+  MORTISE_RETURN_IF_ERROR(WarnOfStillUnheld(&model));
   return at_work.Done(absl::StrCat("connect ", asked.component()), {drawing});
 }
 
@@ -360,8 +363,10 @@ absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call
     return at_work.Done(absl::StrCat("remove ", asked.component()));
   }
   MORTISE_RETURN_IF_ERROR(FindDesign(model, "").status());
+  MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> by_design, UnheldByDesign(model));
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeWithout(asked.node(), composer.drawings, GivenUpWith(call), &model));
+  MORTISE_RETURN_IF_ERROR(WarnOfUnheld(by_design, &model));
   return at_work.Done(absl::StrCat("remove ", asked.node()), {drawing});
 }
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "services/composer/model/removal.h"
+#include "services/composer/service/unheld_warnings.h"
 
 namespace mortise::composer {
 namespace {
@@ -87,6 +88,7 @@ void ForgetWhatIsGone(const parametric::Assembly& body, OpenModel* model) {
   std::set<std::string> parts;
   for (const parametric::AssemblyPart& part : body.parts) parts.insert(part.name);
   std::erase_if(model->warnings, [&](const v1::ModelWarning& warning) {
+    if (IsOfUnheld(warning)) return false;
     return !there.contains(warning.component()) || !parts.contains(warning.element()) ||
            !parts.contains(warning.other_element());
   });

@@ -94,5 +94,28 @@ TEST(JoinedWholeTest, WhatOnlyTouchesAndWhatDoesNotEvenTouch) {
   EXPECT_THAT(found[1].parts, ElementsAre("vase"));
 }
 
+// Three boards that are screwed together, and lie on a post that stands, are what nothing holds.
+TEST(JoinedWholeTest, TheRestIsWhatStands) {
+  const auto board = [](const std::string& name, double height) {
+    return Joined(name, {0, 0, height}, {0.8, 0.1, height + 0.02});
+  };
+  Joint lies, lower, upper;
+  lies.principals = {Joined("post", {0, 0, 0}, {0.1, 0.1, 1}), board("board 1", 1)};
+  lower.principals = {board("board 1", 1), board("board 2", 1.02)};
+  lower.fasteners = {Screw("screw 1", 0.03), Screw("screw 2", 0.07)};
+  upper.principals = {board("board 2", 1.02), board("board 3", 1.04)};
+  upper.fasteners = {Screw("screw 3", 0.03), Screw("screw 4", 0.07)};
+  for (Joint* const joint : {&lower, &upper}) {
+    for (Fastener& fastener : joint->fasteners) {
+      fastener.box.minimum.z() = joint->principals[0].box.minimum.z();
+      fastener.box.maximum.z() = joint->principals[1].box.maximum.z();
+    }
+  }
+  const auto found = JudgeWhole({"board 1", "board 2", "board 3", "post"}, {lies, lower, upper});
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].rule, kOnlyTouches);
+  EXPECT_THAT(found[0].parts, ElementsAre("board 1", "board 2", "board 3"));
+}
+
 }  // namespace
 }  // namespace mortise::composer
