@@ -72,11 +72,14 @@ class Connector {
   }
 
  private:
+  // The item's material; the item itself where that is not known.
+  std::string KindOf(const std::string& item) const {
+    std::string material = options_.material_of ? options_.material_of(item) : "";
+    return material.empty() ? item : material;
+  }
+
   bool SameMaterial(const std::string& item, const std::string& other) const {
-    if (item == other) return true;
-    if (!options_.material_of) return false;
-    const std::string material = options_.material_of(item);
-    return !material.empty() && material == options_.material_of(other);
+    return item == other || KindOf(item) == KindOf(other);
   }
 
   absl::Status FindLinked() {
@@ -383,9 +386,7 @@ class Connector {
     if (original_ != nullptr) {
       for (const CollectionConnection& one : original_->connections) all.push_back(&one);
     }
-    const auto same_material = [&](const std::string& item, const std::string& other) {
-      return SameMaterial(item, other);
-    };
+    std::optional<ConnectionIndex> index;  // which takes some time, if it is needed
     std::vector<std::pair<LinkedPair, std::string>> left;
     for (const LinkedPair& pair : linked_) {
       if (connected_.contains({pair.body, pair.component})) continue;
@@ -398,8 +399,9 @@ class Connector {
       std::string why = refused == refused_.end()
                             ? "nothing in the collection connects such parts of these materials"
                             : WhyOfOriginal(refused->second);
-      const std::vector<RankedConnection> nearest = NearestConnections(
-          first, second, all, same_material, options_.fixed_size_weight, options_.candidates);
+      if (!index) index.emplace(all, [this](const std::string& item) { return KindOf(item); });
+      const std::vector<RankedConnection> nearest =
+          index->Nearest(first, second, options_.fixed_size_weight, options_.candidates);
       for (const RankedConnection& ranked : nearest) {
         Candidate candidate{ranked.connection, {{false, pair.body}, {true, pair.component}}};
         if (ranked.exchanged) std::swap(candidate.principals[0], candidate.principals[1]);

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string_view>
 #include <tuple>
+#include <unordered_map>
+#include <utility>
 
 namespace mortise::composer {
 namespace {
@@ -74,34 +78,48 @@ double DistanceOf(const PairDescriptor& a, const PairDescriptor& b, double fixed
   return std::sqrt(squares);
 }
 
-std::vector<RankedConnection> NearestConnections(
-    const PrincipalPart& first, const PrincipalPart& second,
-    const std::vector<const CollectionConnection*>& connections, const SameMaterial& same_material,
-    double fixed_size_weight, int count) {
-  const PairDescriptor wanted = DescriptorOf(first, second);
-  std::vector<RankedConnection> ranked;
+ConnectionIndex::ConnectionIndex(const std::vector<const CollectionConnection*>& connections,
+                                 KindOfItem kind_of)
+    : kind_of_(std::move(kind_of)) {
+  std::unordered_map<std::string_view, std::string> kinds;  // by item
+  const auto kind = [&](const std::string& item) -> const std::string& {
+    const auto [found, is_new] = kinds.try_emplace(item);
+    if (is_new) found->second = kind_of_(item);
+    return found->second;
+  };
   for (const CollectionConnection* candidate : connections) {
     const parametric::ElementConnection& connection = candidate->connection;
     if (connection.principal_count() != 2 || connection.connecting.empty()) continue;
-    for (const bool exchanged : {false, true}) {
-      if (!same_material(connection.elements[exchanged ? 1 : 0].item, first.item) ||
-          !same_material(connection.elements[exchanged ? 0 : 1].item, second.item)) {
-        continue;
-      }
-      const PairDescriptor its = DescriptorOf(connection, exchanged);
-      ranked.push_back({candidate, exchanged, DistanceOf(wanted, its, fixed_size_weight)});
-    }
+    const std::string& first = kind(connection.elements[0].item);
+    const std::string& second = kind(connection.elements[1].item);
+    by_kinds_[{first, second}].push_back({candidate, false, DescriptorOf(connection, false)});
+    by_kinds_[{second, first}].push_back({candidate, true, DescriptorOf(connection, true)});
   }
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
+}
+
+std::vector<RankedConnection> ConnectionIndex::Nearest(const PrincipalPart& first,
+                                                       const PrincipalPart& second,
+                                                       double fixed_size_weight, int count) const {
+  const auto found = by_kinds_.find({kind_of_(first.item), kind_of_(second.item)});
+  if (found == by_kinds_.end()) return {};
+  const PairDescriptor wanted = DescriptorOf(first, second);
+  std::vector<std::pair<double, std::size_t>> ranked;  // by distance, then in order
+  for (std::size_t i = 0; i < found->second.size(); ++i) {
+    ranked.emplace_back(DistanceOf(wanted, found->second[i].descriptor, fixed_size_weight), i);
+  }
+  // Few are taken of many: a heap need not be sorted whole.
+  std::make_heap(ranked.begin(), ranked.end(), std::greater<>());
   std::vector<RankedConnection> nearest;
-  for (const RankedConnection& candidate : ranked) {
-    if (static_cast<int>(nearest.size()) == count) break;
+  while (!ranked.empty() && static_cast<int>(nearest.size()) < count) {
+    std::pop_heap(ranked.begin(), ranked.end(), std::greater<>());
+    const auto [distance, place] = ranked.back();
+    ranked.pop_back();
+    const Entry& entry = found->second[place];
     const bool is_known = std::any_of(nearest.begin(), nearest.end(), [&](const auto& known) {
-      return std::abs(known.distance - candidate.distance) <= kSame &&
-             UseTheSameParts(*known.connection, *candidate.connection);
+      return std::abs(known.distance - distance) <= kSame &&
+             UseTheSameParts(*known.connection, *entry.connection);
     });
-    if (!is_known) nearest.push_back(candidate);
+    if (!is_known) nearest.push_back({entry.connection, entry.exchanged, distance});
   }
   return nearest;
 }

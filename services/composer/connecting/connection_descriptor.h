@@ -4,7 +4,9 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/composer/connecting/part_connection.h"
@@ -36,15 +38,33 @@ struct RankedConnection {
   double distance = 0;     // m, of the descriptors
 };
 
-// Whether two items may be exchanged for each other as principals.
-using SameMaterial = std::function<bool(const std::string& item, const std::string& other)>;
+// Returns what an item may be exchanged for as a principal: any other that it returns the same for,
+// such as those of one material.
+using KindOfItem = std::function<std::string(const std::string& item)>;
 
-// Returns up to `count` connections for two parts, nearest first: those with two principals of
-// their materials and with connecting parts. Of connections that look the same the first stands for
-// all. O(connections).
-std::vector<RankedConnection> NearestConnections(
-    const PrincipalPart& first, const PrincipalPart& second,
-    const std::vector<const CollectionConnection*>& connections, const SameMaterial& same_material,
-    double fixed_size_weight, int count);
+// The connections of a collection that can be used for pairs: those with two principals and with
+// connecting parts. It is made once for all pairs of a component, so that each is only compared
+// with connections of its own materials.
+class ConnectionIndex {
+ public:
+  // The connections outlive it. O(connections).
+  ConnectionIndex(const std::vector<const CollectionConnection*>& connections, KindOfItem kind_of);
+
+  // Returns up to `count` connections for two parts, nearest first: those whose principals are of
+  // their kinds. Of connections that look the same the first stands for all. O(connections of these
+  // kinds).
+  std::vector<RankedConnection> Nearest(const PrincipalPart& first, const PrincipalPart& second,
+                                        double fixed_size_weight, int count) const;
+
+ private:
+  struct Entry {
+    const CollectionConnection* connection = nullptr;
+    bool exchanged = false;
+    PairDescriptor descriptor;
+  };
+
+  KindOfItem kind_of_;
+  std::map<std::pair<std::string, std::string>, std::vector<Entry>> by_kinds_;
+};
 
 }  // namespace mortise::composer

@@ -11,11 +11,14 @@
 
 #include "absl/status/statusor.h"
 #include "common/assembly/model/assembly.h"
-#include "services/composer/connecting/connection_descriptor.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/model/design.h"
+#include "services/composer/model/placed_forms.h"
 
 namespace mortise::composer {
+
+// Whether two items may stand for each other.
+using SameMaterial = std::function<bool(const std::string& item, const std::string& other)>;
 
 struct SuggestOptions {
   int count = 10;  // of suggestions
@@ -27,7 +30,6 @@ struct SuggestOptions {
   double fixed_size_weight = 4;
   // m: a difference that halves the score.
   double half_distance = 0.2;
-  // Whether two items may stand for each other.
   SameMaterial same_material;
 };
 

@@ -10,8 +10,8 @@
 namespace mortise::composer {
 namespace {
 
-bool SameItem(const std::string& a, const std::string& b) { return a == b; }
-bool AnyItem(const std::string&, const std::string&) { return true; }
+std::string SameItem(const std::string& item) { return item; }
+std::string AnyItem(const std::string&) { return ""; }
 
 PrincipalPart PartNamed(const Design& design, const std::string& name) {
   for (const PrincipalPart& part : PrincipalPartsOf(design)) {
@@ -24,8 +24,9 @@ PrincipalPart PartNamed(const Design& design, const std::string& name) {
 // The parts as drawn find the connection that they have.
 TEST(ConnectionDescriptorTest, ADesignFindsItsOwnConnections) {
   const Design& design = ShippedDesign("bookshelf");
-  const auto nearest = NearestConnections(PartNamed(design, "side 2"), PartNamed(design, "shelf 4"),
-                                          AllShippedConnections(), SameItem, 4, 5);
+  const auto nearest =
+      ConnectionIndex(AllShippedConnections(), SameItem)
+          .Nearest(PartNamed(design, "side 2"), PartNamed(design, "shelf 4"), 4, 5);
   ASSERT_EQ(nearest.size(), 5U);
   EXPECT_NEAR(nearest[0].distance, 0, 1e-9);
   EXPECT_EQ(nearest[0].connection->source, "assemblies/bookshelf");
@@ -38,8 +39,9 @@ TEST(ConnectionDescriptorTest, ADesignFindsItsOwnConnections) {
 
 TEST(ConnectionDescriptorTest, ItDoesNotMatterWhichIsTheFirst) {
   const Design& design = ShippedDesign("bookshelf");
-  const auto nearest = NearestConnections(PartNamed(design, "shelf 4"), PartNamed(design, "side 2"),
-                                          AllShippedConnections(), SameItem, 4, 1);
+  const auto nearest =
+      ConnectionIndex(AllShippedConnections(), SameItem)
+          .Nearest(PartNamed(design, "shelf 4"), PartNamed(design, "side 2"), 4, 1);
   ASSERT_EQ(nearest.size(), 1U);
   EXPECT_TRUE(nearest[0].exchanged);
   EXPECT_NEAR(nearest[0].distance, 0, 1e-9);
@@ -50,8 +52,10 @@ TEST(ConnectionDescriptorTest, MaterialsMustMatch) {
   PrincipalPart side = PartNamed(design, "side 2");
   side.item = "items/of-nothing-there-is";
   const PrincipalPart shelf = PartNamed(design, "shelf 4");
-  EXPECT_TRUE(NearestConnections(side, shelf, AllShippedConnections(), SameItem, 4, 5).empty());
-  EXPECT_FALSE(NearestConnections(side, shelf, AllShippedConnections(), AnyItem, 4, 5).empty());
+  EXPECT_TRUE(
+      ConnectionIndex(AllShippedConnections(), SameItem).Nearest(side, shelf, 4, 5).empty());
+  EXPECT_FALSE(
+      ConnectionIndex(AllShippedConnections(), AnyItem).Nearest(side, shelf, 4, 5).empty());
 }
 
 TEST(ConnectionDescriptorTest, FixedSizesCountMore) {
