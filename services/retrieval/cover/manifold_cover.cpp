@@ -54,15 +54,18 @@ class PrimitiveMaker {
                  const Sample& sample)
       : evaluator_(evaluator), extents_(extents), delta_(delta), sample_(sample) {}
 
-  absl::StatusOr<Primitive> Make(CoverKind kind) {
+  // A point where no tangent pays, or none can be made: without derivatives, because a neighbour
+  // cannot be evaluated, or because rounding spoils a programme of its radii.
+  Primitive Make(CoverKind kind) {
     if (kind == CoverKind::kPoints || !HasFrame()) return Point();
     const Index axes = kind == CoverKind::kTangents
                            ? frame_->rank()
                            : AxesThatPay(frame_->predicted_radii(), delta_);
     if (axes == 0) return Point();
-    MORTISE_ASSIGN_OR_RETURN(Primitive primitive, TangentWith(axes));
-    if (kind == CoverKind::kMixed) KeepAxes(AxesThatPay(primitive.radii, delta_), &primitive);
-    return primitive;
+    absl::StatusOr<Primitive> primitive = TangentWith(axes);
+    if (!primitive.ok()) return Point();
+    if (kind == CoverKind::kMixed) KeepAxes(AxesThatPay(primitive->radii, delta_), &*primitive);
+    return *std::move(primitive);
   }
 
  private:
@@ -74,7 +77,6 @@ class PrimitiveMaker {
             .structure = sample_.structure};
   }
 
-  // Without derivatives, because a neighbour cannot be evaluated, there is no tangent.
   bool HasFrame() {
     if (tried_) return frame_.has_value();
     tried_ = true;
@@ -209,9 +211,8 @@ class Race {
           Reject(&contender);
           continue;
         }
-        MORTISE_ASSIGN_OR_RETURN(Primitive primitive, maker.Make(contender.kind));
         contender.rejections = 0;
-        contender.set.Add(std::move(primitive));
+        contender.set.Add(maker.Make(contender.kind));
         const bool full =
             contender.set.size() >= static_cast<std::size_t>(options_.most_primitives);
         if (full || (best_ && contender.set.cost() >= *best_)) contender.running = false;
