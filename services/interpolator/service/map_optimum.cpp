@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/string_views.h"
 #include "common/expressions/expression.h"
 #include "services/interpolator/optimization/map_optimization.h"
 
@@ -36,7 +37,7 @@ std::vector<std::string> NamesOf(const v1::DesignMap& map) {
 absl::StatusOr<parametric::Expression> ReadObjective(const v1::DesignMap& map,
                                                      const v1::OptimizeMapRequest& asked) {
   auto objective = parametric::Expression::Parse(asked.objective(), NamesOf(map));
-  if (!objective.ok()) return InvalidField("objective", objective.status().message());
+  if (!objective.ok()) return InvalidField("objective", StandardView(objective.status().message()));
   return objective;
 }
 
@@ -244,8 +245,8 @@ absl::StatusOr<v1::OptimizeMapResponse> FindOptimum(const LoadedMap& map,
                             StructureFunction(record, map.structures[s]));
     if (!optimum.ok()) {
       reason = absl::IsInvalidArgument(optimum.status())
-                   ? InvalidField("objective", optimum.status().message())
-                   : PreconditionFailed("MAP_UNCOVERED", optimum.status().message());
+                   ? InvalidField("objective", StandardView(optimum.status().message()))
+                   : PreconditionFailed("MAP_UNCOVERED", StandardView(optimum.status().message()));
     } else if (!best || IsBetter(*optimum, *best, asked.maximize())) {
       best = *std::move(optimum);
       best_structure = s;
