@@ -10,7 +10,7 @@
 #include "cli/client/requests.h"
 #include "cli/client/tag_options.h"
 #include "cli/commands/compose_calls.h"
-#include "cli/commands/compose_output.h"
+#include "cli/output/compose_output.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "mortise/v1/composer.grpc.pb.h"

@@ -16,9 +16,9 @@
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
 #include "cli/commands/map_calls.h"
-#include "cli/commands/map_output.h"
 #include "cli/files/map_points.h"
 #include "cli/files/metric_evaluation.h"
+#include "cli/output/map_output.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "cli/client/assignment.h"
+#include "cli/files/assignment.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"

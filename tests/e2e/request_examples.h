@@ -160,6 +160,7 @@ inline constexpr Example kExamples[] = {
     {"InterpolatorService/ListMaps", "page_size: 10"},
     {"InterpolatorService/EvaluateMap",
      "name: '{map}' points: [1.3, 1.45] metrics: 'mass' gradients: true"},
+    {"InterpolatorService/OptimizeMap", "name: '{map}' objective: 'mass' starts: 2"},
     {"InterpolatorService/VerifyMap", "request_id: 'bad-53' name: '{map}' points: 1.3",
      Outcome::kChanges},
     {"InterpolatorService/UpdateMap",

@@ -1,4 +1,4 @@
-#include "cli/commands/map_output.h"
+#include "cli/output/map_output.h"
 
 #include <cstddef>
 #include <set>

@@ -1,4 +1,4 @@
-#include "cli/commands/compose_output.h"
+#include "cli/output/compose_output.h"
 
 #include <algorithm>
 #include <cmath>
