@@ -176,21 +176,22 @@ class Snapper {
       MORTISE_ASSIGN_OR_RETURN(choice.worth, StretchCost(PlaneOf(one).axis));
     }
     Eigen::VectorXd chosen_q = wish_;
+    int refused = 0;
     const auto is_admissible = [&](const std::vector<int>& values) -> absl::StatusOr<bool> {
       MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::VectorXd> q,
                                Solve(DemandsOf(choices, values)));
-      if (!q) return false;
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] == kNoPlane || !constraints[i].is_contact) continue;
-        const Target& target = targets[i][static_cast<std::size_t>(values[i])];
-        if (!LiesAcross(PlaneOf(constraints[i]), target, *q)) return false;
+      if (q && MayLieAt(*q, constraints, targets, values)) {
+        chosen_q = *q;
+        return true;
       }
-      if (clearance_.RunsInto(*q)) return false;
-      chosen_q = *q;
-      return true;
+      if (++refused > options_.refusals) return absl::ResourceExhaustedError("refused too often");
+      return false;
     };
-    MORTISE_ASSIGN_OR_RETURN(const std::optional<ChosenPlanes> chosen,
-                             ChoosePlanes(set_, wish_, choices, is_admissible));
+    const absl::StatusOr<std::optional<ChosenPlanes>> found =
+        ChoosePlanes(set_, wish_, choices, is_admissible);
+    if (refused > options_.refusals) return std::set<int>{constraints.back().plane};
+    MORTISE_RETURN_IF_ERROR(found.status());
+    const std::optional<ChosenPlanes>& chosen = *found;
     std::set<int> given_up;
     if (!chosen) return given_up;
     for (std::size_t i = 0; i < constraints.size(); ++i) {
@@ -208,6 +209,18 @@ class Snapper {
       if (constraints[i].is_contact) contacts_.emplace_back(&plane, target);
     }
     return given_up;
+  }
+
+  // Whether a combination may be taken that has the component lie there.
+  bool MayLieAt(const Eigen::VectorXd& q, const std::vector<OriginalConstraint>& constraints,
+                const std::vector<std::vector<Target>>& targets,
+                const std::vector<int>& values) const {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i] == kNoPlane || !constraints[i].is_contact) continue;
+      const Target& target = targets[i][static_cast<std::size_t>(values[i])];
+      if (!LiesAcross(PlaneOf(constraints[i]), target, q)) return false;
+    }
+    return !clearance_.RunsInto(q);
   }
 
   static std::vector<Demand> DemandsOf(const std::vector<ChoiceOfPlanes>& choices,

@@ -30,6 +30,9 @@ struct SnapOptions {
   // What of a size a level plane of the original is worth: where it costs more than to stretch all
   // of the component along the axis by as much, it is left.
   double stretch = 0.5;
+  // How many combinations may be refused for where the component would lie with them. After that
+  // the last constraint is given up, and those of the others are looked at.
+  int refusals = 50;
 };
 
 // Two planes that are one after snapping.
