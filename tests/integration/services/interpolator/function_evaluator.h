@@ -61,7 +61,8 @@ class FunctionEvaluator : public v1::EvaluatorService::Service {
   grpc::Status EvaluateBatch(grpc::ServerContext* context, const v1::EvaluateBatchRequest* request,
                              grpc::ServerWriter<v1::EvaluationResult>* writer) override {
     for (int k = 0; k < request->points_size(); ++k) {
-      if (!Admit(*context)) return {grpc::StatusCode::CANCELLED, "cancelled"};
+      // As a server answers that is going away.
+      if (!Admit(*context)) return {grpc::StatusCode::UNAVAILABLE, "it goes away"};
       if (lost_) return {grpc::StatusCode::INTERNAL, "the solver's licence has run out"};
       const auto& x = request->points(k).parameters();
       v1::EvaluationResult result;

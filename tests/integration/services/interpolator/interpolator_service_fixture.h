@@ -15,17 +15,17 @@
 #include "mortise/v1/operations.grpc.pb.h"
 #include "tests/integration/services/interpolator/function_evaluator.h"
 #include "tests/integration/services/service_under_test.h"
+#include "tests/support/reserved_port.h"
 
 namespace mortise::interpolator {
 
 class InterpolatorServiceTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    StartEvaluator("127.0.0.1:0");
+    StartEvaluator();
     interpolator_ = std::make_unique<testing::ServiceUnderTest>(
-        "mortise-interpolator",
-        std::vector<std::string>{"--peer=simulator=127.0.0.1:" + std::to_string(port_),
-                                 "--peer=catalog=127.0.0.1:" + std::to_string(port_)});
+        "mortise-interpolator", std::vector<std::string>{"--peer=simulator=" + port_.address(),
+                                                         "--peer=catalog=" + port_.address()});
     Connect();
   }
 
@@ -35,9 +35,10 @@ class InterpolatorServiceTest : public ::testing::Test {
     EndEvaluator();
   }
 
-  void StartEvaluator(const std::string& address) {
+  // At the same address as before, if it was ended.
+  void StartEvaluator() {
     grpc::ServerBuilder builder;
-    builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
+    builder.AddListeningPort(port_.address(), grpc::InsecureServerCredentials());
     builder.RegisterService(&evaluator_);
     builder.RegisterService(&events_);
     server_ = builder.BuildAndStart();
@@ -148,7 +149,7 @@ class InterpolatorServiceTest : public ::testing::Test {
 
   FunctionEvaluator evaluator_;
   ToldEvents events_;
-  int port_ = 0;
+  const testing::ReservedPort port_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<testing::ServiceUnderTest> interpolator_;
   std::unique_ptr<v1::InterpolatorService::Stub> maps_;

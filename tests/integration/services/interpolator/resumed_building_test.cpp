@@ -46,10 +46,9 @@ TEST_F(InterpolatorServiceTest, WaitsForAnEvaluatorThatIsAway) {
   evaluator_.HoldAfter(30);
   const v1::Operation started = Build(Request(100));
   evaluator_.WaitUntilHeld();
-  const std::string address = "127.0.0.1:" + std::to_string(port_);
   EndEvaluator();
   evaluator_.Release();
-  StartEvaluator(address);
+  StartEvaluator();
   const v1::Operation operation = Wait(started.name());
   EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.ShortDebugString();
 }
