@@ -12,16 +12,17 @@ enum class Basis {
 inline int ReachOf(Basis basis) { return basis == Basis::kLinear ? 1 : 2; }
 
 // A B-spline along one direction, and its derivative, at `offset` distances from its centre. The
-// derivative is by the offset.
+// derivative is by the offset; where it jumps, that of the upper side, so that the derivatives of
+// all B-splines at a point are of one side.
 struct SplineValue {
   double value = 0;
   double slope = 0;
 };
 
 inline SplineValue LinearSpline(double offset) {
-  const double distance = offset < 0 ? -offset : offset;
-  if (distance >= 1) return {};
-  return {1 - distance, offset < 0 ? 1.0 : -1.0};
+  if (offset < -1 || offset >= 1) return {};
+  if (offset < 0) return {1 + offset, 1.0};
+  return {1 - offset, -1.0};
 }
 
 inline SplineValue CubicSpline(double offset) {
@@ -38,6 +39,11 @@ inline SplineValue CubicSpline(double offset) {
 
 inline SplineValue SplineAt(Basis basis, double offset) {
   return basis == Basis::kLinear ? LinearSpline(offset) : CubicSpline(offset);
+}
+
+// The same with the derivative of the lower side: for the upper end of the box, which has no other.
+inline SplineValue SplineAtEnd(Basis basis, double offset) {
+  return {SplineAt(basis, offset).value, -SplineAt(basis, -offset).slope};
 }
 
 }  // namespace mortise::maps

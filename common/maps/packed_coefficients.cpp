@@ -49,7 +49,9 @@ class PackedCoefficients::Sum {
       if (low > high) return nullptr;
       count_[d] = high - low + 1;
       for (int n = 0; n < count_[d]; ++n) {
-        factors_[d][n] = SplineAt(packed_.basis_, scaled - (low + n));
+        const double offset = scaled - (low + n);
+        factors_[d][n] =
+            point[d] < 1 ? SplineAt(packed_.basis_, offset) : SplineAtEnd(packed_.basis_, offset);
         factors_[d][n].slope *= scale;
       }
       start += static_cast<std::size_t>(low - block.low[d]) * block.stride[d];

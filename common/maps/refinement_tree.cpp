@@ -47,7 +47,8 @@ class ActiveAt {
     double value = 1;
     for (int d = 0; d < tree_.dimension(); ++d) {
       const double offset = std::ldexp(point_[d] - ToUnit(centre[d]), level);
-      factors_[d] = SplineAt(tree_.basis(), offset);
+      factors_[d] =
+          point_[d] < 1 ? SplineAt(tree_.basis(), offset) : SplineAtEnd(tree_.basis(), offset);
       factors_[d].slope = std::ldexp(factors_[d].slope, level);
       value *= factors_[d].value;
     }

@@ -235,6 +235,33 @@ TEST(RefinementTree, HasDerivativesOfWhatItInterpolates) {
   }
 }
 
+// Sliders stand at round numbers, which are faces of elements and centres of B-splines.
+TEST(RefinementTree, HasDerivativesOfTheUpperSideOnFacesAndOfTheLowerOneAtTheEnd) {
+  const RefinementTree tree = RandomTree(3, Basis::kLinear, 25, 8);
+  const auto rough = [](const Eigen::VectorXd& x) { return std::sin(1e4 * x.sum()); };
+  Random random(6);
+  for (int n = 0; n < 200; ++n) {
+    Eigen::VectorXd point = RandomPoint(3, random);
+    for (int d = 0; d < 3; ++d) {
+      if (n % 4 != d) point[d] = std::round(8 * point[d]) / 8;
+    }
+    const PointWeights weights = tree.Weights(point);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(3);
+    for (std::size_t k = 0; k < weights.samples.size(); ++k) {
+      gradient += weights.gradients.col(static_cast<Eigen::Index>(k)) *
+                  rough(tree.SamplePosition(weights.samples[k]));
+    }
+    for (int d = 0; d < 3; ++d) {
+      const double step = point[d] < 1 ? 1e-6 : -1e-6;
+      Eigen::VectorXd beside = point;
+      beside[d] += step;
+      EXPECT_NEAR((Interpolate(tree, beside, rough) - Interpolate(tree, point, rough)) / step,
+                  gradient[d], 1e-6 * (1 + std::abs(gradient[d])))
+          << point.transpose();
+    }
+  }
+}
+
 TEST(RefinementTree, RefusesWhatItCannotDo) {
   const auto field = [](const absl::Status& status) { return DetailOf(status).field; };
   EXPECT_EQ(field(RefinementTree::Create(0, Basis::kLinear).status()), "dimension");
