@@ -212,6 +212,36 @@ TEST(DesignFieldsTest, ModesAreThoseThatDeform) {
             bar.analysis.vibration->modes[2].shape);
 }
 
+class ShippedShapesTest : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedShapesTest, HaveARegionForEveryCondition) {
+  const DesignModel model = ModelOf(templates::ShippedTemplate(GetParam()));
+  const auto shape = CollectFields(model, DesignAnalysis(), {});
+  ASSERT_TRUE(shape.ok()) << shape.status();
+  EXPECT_EQ(fields::Check(*shape), absl::OkStatus());
+  for (const auto& [condition, face] : model.condition_faces) {
+    const auto region = std::ranges::find(shape->regions, condition, &fields::Region::name);
+    ASSERT_NE(region, shape->regions.end()) << condition;
+    EXPECT_FALSE(region->triangles.empty()) << condition;
+  }
+}
+
+std::vector<std::string> TemplatesThatShip() {
+  std::vector<std::string> names;
+  for (const v1::Template& shipped : templates::ShippedCollection().templates) {
+    // Those of assemblies come with theirs: shipped_surfaces_test looks at all of these.
+    if (!shipped.has_assembly()) names.push_back(shipped.name());
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Collection, ShippedShapesTest, ::testing::ValuesIn(TemplatesThatShip()),
+                         [](const auto& shipped) {
+                           std::string name = shipped.param.substr(shipped.param.find('/') + 1);
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
 TEST(DesignFieldsTest, WhatIsNotThereIsNamedWithWhatIs) {
   const DesignModel model = ModelOf(PartsBar(Condition("held", "FIXED", "x_min")));
   const absl::Status region =
