@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "common/base/errors.h"
 #include "tests/support/status_assertions.h"
@@ -67,6 +69,63 @@ TEST(MeshMapTest, KeepsAMeshThatIsMappedToItself) {
   const BlockMesh plate = MakeBlockMesh(PlateShape(0.3, 0.2, 0.02, 0.06), {});
   ASSERT_OK_AND_ASSIGN(const MeshMap map, MapMesh(plate.marked_mesh, plate.marked_mesh));
   EXPECT_LT((map.nodes - plate.marked_mesh.mesh.nodes).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+// The vertices and edges of a box by their places, halved where no node need be.
+mesh::ControlVariables VariablesOf(const BlockShape& box) {
+  mesh::ControlVariables variables;
+  std::map<std::string, int> index;
+  const auto point = [&](const Eigen::Vector3d& at) {
+    const std::string name =
+        std::to_string(at.x()) + " " + std::to_string(at.y()) + " " + std::to_string(at.z());
+    const auto [entry, is_new] = index.emplace(name, static_cast<int>(variables.points.size()));
+    if (is_new) variables.points.push_back({name, box.image(at)});
+    return entry->second;
+  };
+  for (int edge = 0; edge < 12; ++edge) {
+    const int axis = edge / 4;
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();
+    start[(axis + 1) % 3] = edge % 2;
+    start[(axis + 2) % 3] = edge / 2 % 2;
+    for (const double from : {0.0, 0.5}) {
+      mesh::ControlVariables::Path path;
+      path.edge = "edge" + std::to_string(edge);
+      path.way.resize(3, 2);
+      Eigen::Vector3d at = start;
+      at[axis] = from;
+      path.from = point(at);
+      path.way.col(0) = box.image(at);
+      at[axis] = from + 0.5;
+      path.to = point(at);
+      path.way.col(1) = box.image(at);
+      variables.paths.push_back(std::move(path));
+    }
+  }
+  return variables;
+}
+
+TEST(MeshMapTest, FindsTheControlVariablesOfModels) {
+  const BlockShape large = BoxShape({0.3, 0.2, 0.1}), small = BoxShape({0.2, 0.25, 0.14});
+  const ModelMesh source{
+      MakeBlockMesh(large, {.along = 5, .across = 3, .high = 3}).marked_mesh.mesh,
+      VariablesOf(large)};
+  const BlockMesh block = MakeBlockMesh(small, {.along = 3, .across = 5, .is_mirrored = true});
+  ASSERT_OK_AND_ASSIGN(const MeshMap map,
+                       MapMesh(source, {block.marked_mesh.mesh, VariablesOf(small)}));
+  EXPECT_EQ(map.surface.points, 8 + 12);
+  EXPECT_EQ(map.surface.places.size(), map.outer.node.size());
+  EXPECT_TRUE(map.volume.inverted.empty());
+  for (std::size_t v = 0; v < map.outer.node.size(); ++v) {
+    const int node = map.outer.node[v];
+    const Eigen::Vector3d at = block.block.col(node);
+    const Eigen::Vector3d image = large.image(at);
+    for (int axis = 0; axis < 3; ++axis) {
+      // What is on a side of the box stays on it, its edges and corners too.
+      if (at[axis] == 0 || at[axis] == 1) {
+        EXPECT_NEAR(map.nodes(axis, node), image[axis], 1e-12);
+      }
+    }
+  }
 }
 
 TEST(MeshMapTest, SaysWhatDoesNotFit) {
