@@ -15,7 +15,9 @@ constexpr double kTolerance = 1e-10;  // distance, for rows of unit length
 constexpr double kDependent = 1e-9;   // length of what is left of a unit normal among others
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSparse = 0.25;  // of entries that are not 0
-constexpr Eigen::Index kFew = 8;  // constraints that are let go one by one
+// What it takes to add a vector again, of what it would take if none of its entries were 0: most
+// have few.
+constexpr double kShareOfAdding = 0.125;
 
 // The first `count` columns' products with a vector.
 Eigen::VectorXd AlongColumns(const Eigen::MatrixXd& columns, Eigen::Index count,
@@ -60,6 +62,13 @@ IndependentVectors::Split IndependentVectors::SplitOf(const Eigen::VectorXd& vec
   return split;
 }
 
+// What was removed last leaves its direction behind in the first column that is not used.
+void IndependentVectors::SplitAgain(const Eigen::VectorXd& vector, Split& split) const {
+  split.along = AlongColumns(q_, count_, vector);
+  const auto freed = q_.col(count_);
+  split.rest += freed.dot(vector) * freed;
+}
+
 // Solves R · shares = along from below; of vectors with little in common most entries are 0.
 Eigen::VectorXd IndependentVectors::SharesOf(const Split& split) const {
   Eigen::VectorXd shares = split.along;
@@ -89,18 +98,25 @@ void IndependentVectors::Add(const Split& split) {
   ++count_;
 }
 
+// Column by column, as R is stored: each is turned as those before it were, and then once more to
+// have nothing below its diagonal.
 void IndependentVectors::Remove(Eigen::Index index) {
+  std::vector<Eigen::JacobiRotation<double>> turns;
   for (Eigen::Index column = index; column + 1 < count_; ++column) {
-    r_.col(column) = r_.col(column + 1).eval();
+    r_.col(column).head(column + 2) = r_.col(column + 1).head(column + 2).eval();
+    double* const entries = r_.col(column).data();
+    for (Eigen::Index row = index; row < column; ++row) {
+      const Eigen::JacobiRotation<double>& turned = turns[static_cast<std::size_t>(row - index)];
+      const double upper = entries[row], lower = entries[row + 1];
+      entries[row] = turned.c() * upper - turned.s() * lower;
+      entries[row + 1] = turned.s() * upper + turned.c() * lower;
+    }
+    Eigen::JacobiRotation<double>& turn = turns.emplace_back();
+    turn.makeGivens(entries[column], entries[column + 1], &entries[column]);
+    entries[column + 1] = 0;
+    q_.applyOnTheRight(column, column + 1, turn);
   }
   --count_;
-  // What now stands below the diagonal is turned into it.
-  for (Eigen::Index row = index; row < count_; ++row) {
-    Eigen::JacobiRotation<double> turn;
-    turn.makeGivens(r_(row, row), r_(row + 1, row));
-    r_.middleCols(row, count_ - row).applyOnTheLeft(row, row + 1, turn.adjoint());
-    q_.applyOnTheRight(row, row + 1, turn);
-  }
 }
 
 void IndependentVectors::Reserve(Eigen::Index count) {
@@ -210,21 +226,31 @@ void NearestPointSearch::LetGoOfWhatPulls() {
   }
 }
 
-// Lets go of these active constraints; of many at once by beginning again with the others.
+// Lets go of these active constraints: one by one, or, where that takes less, by adding those again
+// that come after the first of them.
 void NearestPointSearch::RemoveAll(const std::vector<bool>& goes) {
-  if (std::count(goes.begin(), goes.end(), true) <= kFew) {
+  const auto first = std::find(goes.begin(), goes.end(), true) - goes.begin();
+  const auto count = static_cast<double>(goes.size()), size = static_cast<double>(x_.size());
+  double removing = 0, adding = 0;  // multiplications
+  for (auto i = static_cast<std::size_t>(first); i < goes.size(); ++i) {
+    const double after = count - static_cast<double>(i);
+    removing += goes[i] ? 4 * after * (size + after / 2) : 0;
+    adding += goes[i] ? 0 : kShareOfAdding * 3 * size * static_cast<double>(i);
+  }
+  if (removing <= adding) {
     for (std::size_t i = goes.size(); i-- > 0;) {
       if (goes[i]) Remove(static_cast<Eigen::Index>(i));
     }
     return;
   }
-  std::vector<Active> kept;
-  for (std::size_t i = 0; i < goes.size(); ++i) {
-    if (!goes[i]) kept.push_back(active_[i]);
+  normals_.KeepFirst(first);
+  std::vector<Active> kept(active_.begin(), active_.begin() + first);
+  for (auto i = static_cast<std::size_t>(first); i < goes.size(); ++i) {
+    if (goes[i]) continue;
+    kept.push_back(active_[i]);
+    normals_.Add(normals_.SplitOf(Normal(active_[i])));
   }
   active_ = std::move(kept);
-  normals_ = IndependentVectors(x_.size());
-  for (const Active& active : active_) normals_.Add(normals_.SplitOf(Normal(active)));
 }
 
 // Takes up the equalities that are new. Those that were implied before are looked at like any
@@ -300,11 +326,11 @@ bool NearestPointSearch::IsActive(int equality) const {
 absl::StatusOr<bool> NearestPointSearch::TakeUp(Active added) {
   const Eigen::VectorXd normal = Normal(added);
   const Eigen::Index most = 50 * (rows_->bounds.size() + values_.size() + x_.size() + 10);
+  IndependentVectors::Split split = normals_.SplitOf(normal);
   while (true) {
     if (++steps_ > most) {
       return absl::InternalError("the nearest point was not found: too many steps");
     }
-    const IndependentVectors::Split split = normals_.SplitOf(normal);
     const Eigen::VectorXd& direction = split.rest;
     const Eigen::VectorXd shares = normals_.SharesOf(split);
     const bool depends = direction.norm() <= kDependent;
@@ -331,6 +357,7 @@ absl::StatusOr<bool> NearestPointSearch::TakeUp(Active added) {
       return true;
     }
     Remove(dual.blocking);
+    normals_.SplitAgain(normal, split);
   }
 }
 

@@ -33,6 +33,10 @@ class IndependentVectors {
   };
   Split SplitOf(const Eigen::VectorXd& vector) const;
 
+  // Splits the same vector again after one of these was removed, and none added since: O(n) where
+  // the vector has few entries that are not 0.
+  void SplitAgain(const Eigen::VectorXd& vector, Split& split) const;
+
   // Returns what was split as a combination of the vectors, in least squares.
   Eigen::VectorXd SharesOf(const Split& split) const;
 
@@ -44,6 +48,9 @@ class IndependentVectors {
   // Adds the vector that was split, and not since then.
   void Add(const Split& split);
   void Remove(Eigen::Index index);
+
+  // Removes all but the first `count`. O(1).
+  void KeepFirst(Eigen::Index count) { count_ = count; }
 
  private:
   void Reserve(Eigen::Index count);

@@ -23,6 +23,7 @@ using parametric::Projection;
 constexpr double kNoChange = 1e-9;   // length of the row of a form that is the same in all designs
 constexpr double kParallel = 1e-8;   // between unit rows
 constexpr double kRounding = 1e-13;  // of a row's length
+constexpr double kSparse = 0.25;     // of entries that are not 0
 // m. Ends are approached to so much: exactly there rounding can have demands conflict.
 constexpr double kInside = 1e-10;
 
@@ -141,6 +142,11 @@ void NodeDrag::PrepareFactor(const Polyhedron& whole, int control, const std::ve
   SetEntries(Eigen::VectorXd::Zero(from_.size()), factor, rest);
   rest_ = free.drawn() + free.basis() * rest;
   moving_ = free.basis()(Eigen::all, factor.variables);
+  const auto full = static_cast<double>((moving_.array() != 0).count());
+  if (full <= kSparse * static_cast<double>(moving_.size())) {
+    sparse_moving_ = moving_.sparseView();
+    moving_.resize(0, 0);
+  }
   std::map<int, int> places;  // of the factor's equalities
   for (std::size_t i = 0; i < factor.equalities.size(); ++i) {
     places.emplace(factor.equalities[i], static_cast<int>(i));
@@ -214,13 +220,20 @@ absl::StatusOr<double> NodeDrag::End(double sign) {
   return drawn_value_ + row_.dot(*end.point);
 }
 
+Eigen::VectorXd NodeDrag::InSpaceAt(const Eigen::VectorXd& entries) const {
+  if (sparse_moving_) return rest_ + *sparse_moving_ * entries;
+  return rest_ + moving_ * entries;
+}
+
 double NodeDrag::ValueIn(const Design& design) const { return form_.At(InSpace(design)); }
 
 std::size_t NodeDrag::MemoryUse() const {
   // The rows of the search, and for each of the two what holds, at most twice over.
   const auto coordinates = static_cast<std::size_t>(from_.size());
-  return sizeof(*this) + static_cast<std::size_t>(moving_.size()) * sizeof(double) +
-         search_->MemoryUse() + 2 * 4 * coordinates * coordinates * sizeof(double) +
+  const Eigen::Index moving =
+      moving_.size() + (sparse_moving_ ? 2 * sparse_moving_->nonZeros() : 0);
+  return sizeof(*this) + static_cast<std::size_t>(moving) * sizeof(double) + search_->MemoryUse() +
+         2 * 4 * coordinates * coordinates * sizeof(double) +
          static_cast<std::size_t>(8 * rest_.size()) * sizeof(double);
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <array>
 #include <memory>
 #include <optional>
@@ -63,17 +64,17 @@ class NodeDrag {
   absl::StatusOr<std::optional<Eigen::VectorXd>> Nearest(double value);
   void KeepSizes(const std::vector<int>& sizes);
   absl::StatusOr<double> End(double sign);
-  Eigen::VectorXd InSpaceAt(const Eigen::VectorXd& entries) const {
-    return rest_ + moving_ * entries;
-  }
+  Eigen::VectorXd InSpaceAt(const Eigen::VectorXd& entries) const;
 
   ControlledNode node_;
   std::string name_;             // of the control, for people
   parametric::LinearForm form_;  // of the control
   double drawn_value_ = 0;       // m, of the form as drawn
   // Coordinates are those of the space that have to do with the control; the others stay.
-  Eigen::VectorXd rest_;     // in space, where all these coordinates are 0
-  Eigen::MatrixXd moving_;   // |q| × coordinates
+  Eigen::VectorXd rest_;  // in space, where all these coordinates are 0
+  // |q| × coordinates; the second, without what is 0, in place of the first if that is most of it.
+  Eigen::MatrixXd moving_;
+  std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> sparse_moving_;
   Eigen::VectorXd row_;      // the form as a row over the coordinates
   Eigen::VectorXd from_;     // the coordinates at the beginning
   int control_ = 0;          // the equality that gives the form a value
