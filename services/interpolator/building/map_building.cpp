@@ -84,6 +84,8 @@ absl::Status MapBuilding::Run(const KnownAnswers& known) {
 }
 
 absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes) {
+  // First, so that a build that is stopped at once has what is known of it.
+  if (!known.empty()) MORTISE_RETURN_IF_ERROR(Replay(known));
   Clock::time_point answered = Clock::now(), told = answered;
   while (true) {
     if (StopWhenAsked() && options_.interrupt) options_.interrupt();
@@ -107,16 +109,37 @@ bool MapBuilding::StopWhenAsked() {
   if (options_.cancelled && options_.cancelled()) {
     stopped_by_ = StopReason::kCancelled;
     is_stopped_ = true;
-  } else if (options_.is_out_of_time && options_.is_out_of_time()) {
+  } else if (options_.is_out_of_time && options_.is_out_of_time() && HasMap()) {
     stopped_by_ = StopReason::kTime;
     is_stopped_ = true;
   }
   return is_stopped_;
 }
 
+// Whether there is a map of each structure by now.
+bool MapBuilding::HasMap() const {
+  return std::ranges::all_of(structures_,
+                             [](const auto& structure) { return structure->Content().ok(); });
+}
+
+// Tells all that is known. What is asked meanwhile and not known waits to be evaluated.
+absl::Status MapBuilding::Replay(const KnownAnswers& known) {
+  while (true) {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<Asked> batch, NextBatch(known));
+    if (batch.empty()) return absl::OkStatus();
+    waiting_.push_back(std::move(batch));
+  }
+}
+
 absl::Status MapBuilding::FillLanes(const KnownAnswers& known, ThreadPool& lanes) {
   while (!is_stopped_ && under_way_ < std::max(1, options_.lanes)) {
-    MORTISE_ASSIGN_OR_RETURN(std::vector<Asked> batch, NextBatch(known));
+    std::vector<Asked> batch;
+    if (!waiting_.empty()) {
+      batch = std::move(waiting_.front());
+      waiting_.pop_front();
+    } else {
+      MORTISE_ASSIGN_OR_RETURN(batch, NextBatch(known));
+    }
     if (batch.empty()) return absl::OkStatus();
     ++under_way_;
     lanes.Submit([this, batch = std::move(batch)] { mailbox_.Put(Evaluate(batch)); });

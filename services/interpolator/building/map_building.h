@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -59,9 +60,10 @@ struct BuildOptions {
   // means that the evaluator itself is out of reach.
   std::function<absl::StatusOr<std::vector<DesignAnswer>>(const std::vector<Eigen::VectorXd>&)>
       evaluate;
-  std::function<void()> interrupt;       // asks calls of `evaluate` to return soon
-  std::function<bool()> cancelled;       // asked ten times a second; true: stop with what there is
-  std::function<bool()> is_out_of_time;  // likewise
+  std::function<void()> interrupt;  // asks calls of `evaluate` to return soon
+  std::function<bool()> cancelled;  // asked ten times a second; true: stop with what there is
+  // Likewise; it counts once there is a map of each structure.
+  std::function<bool()> is_out_of_time;
   // Called with the answers of each batch before anything else happens with them. A failure stops
   // the build as if the evaluator were lost.
   std::function<absl::Status(const KnownAnswers&)> keep;
@@ -81,8 +83,9 @@ class MapBuilding {
                                                              const BuildOptions& options);
 
   // Samples until every structure has what it needs, or is stopped. Answers that are already known,
-  // from a build that was interrupted, are taken from `known`: the map is the same. Returns why the
-  // evaluator was lost, if it was, or what `judge` said; DATA_LOSS if `known` is of another map.
+  // from a build that was interrupted, are taken from `known`, also if it is stopped at once: the
+  // map is the same. Returns why the evaluator was lost, if it was, or what `judge` said; DATA_LOSS
+  // if `known` is of another map.
   absl::Status Run(const KnownAnswers& known);
 
   const std::vector<std::unique_ptr<maps::MapSampling>>& structures() const { return structures_; }
@@ -100,6 +103,8 @@ class MapBuilding {
   MapBuilding(const MapPlan& plan, const BuildOptions& options) : plan_(plan), options_(options) {}
 
   bool StopWhenAsked();
+  bool HasMap() const;
+  absl::Status Replay(const KnownAnswers& known);
   absl::Status FillLanes(const KnownAnswers& known, ThreadPool& lanes);
   absl::StatusOr<std::vector<Asked>> NextBatch(const KnownAnswers& known);
   absl::StatusOr<Batch> Evaluate(const std::vector<Asked>& asked) const;
@@ -115,6 +120,8 @@ class MapBuilding {
   std::int64_t evaluations_ = 0;
   std::size_t next_ = 0;  // structure to ask
   int under_way_ = 0;     // calls
+  std::deque<std::vector<Asked>>
+      waiting_;  // what was asked while answers were told that were known
   bool is_stopped_ = false;
   StopReason stopped_by_ = StopReason::kCancelled;
   Mailbox<absl::StatusOr<Batch>> mailbox_;

@@ -16,6 +16,7 @@
 #include "common/base/logging.h"
 #include "common/host/operation_codec.h"
 #include "common/store/blob_folder.h"
+#include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/interpolator.pb.h"
@@ -71,8 +72,8 @@ class BuildRun {
     if (finished.ok()) return rpc::PackResult(*finished);
     if (!absl::IsNotFound(finished.status())) return finished.status();
     absl::StatusOr<std::string> result = Build();
-    // What fails for good needs its answers no more; the simulator has them still.
-    if (!result.ok() && !absl::IsCancelled(result.status()) && !absl::IsAborted(result.status())) {
+    // What ends for good needs its answers no more; the simulator has them still.
+    if (!result.ok() && !absl::IsAborted(result.status()) && !WillGoOn()) {
       MORTISE_RETURN_IF_ERROR(context_.Transact(
           [this](store::Transaction& transaction) { return DropAnswers(transaction, id_); }));
     }
@@ -95,6 +96,15 @@ class BuildRun {
     MORTISE_ASSIGN_OR_RETURN(const KnownAnswers known, LoadAnswers(*environment_.store, id_));
     MORTISE_RETURN_IF_ERROR(building->Run(known));
     return Finish(*building);
+  }
+
+  // Whether another run takes this one's place: it was stopped by a shutdown or a takeover, and by
+  // nobody who wants it to end. An operation that cannot be read is taken to be such.
+  bool WillGoOn() const {
+    if (!context_.Cancelled()) return false;
+    const absl::StatusOr<operations::Operation> operation =
+        environment_.operations->Get(context_.name());
+    return !operation.ok() || !operation->cancel_requested;
   }
 
   BuildOptions MakeOptions() {
@@ -174,12 +184,7 @@ class BuildRun {
 
   absl::StatusOr<std::string> Finish(const MapBuilding& building) {
     const bool is_stopped = context_.Cancelled();
-    if (is_stopped) {
-      // A shutdown, or a takeover, leaves the work to the next run.
-      MORTISE_ASSIGN_OR_RETURN(const operations::Operation operation,
-                               environment_.operations->Get(context_.name()));
-      if (!operation.cancel_requested) return absl::CancelledError("interrupted");
-    }
+    if (is_stopped && WillGoOn()) return absl::CancelledError("interrupted");
     const BuildProgress progress = building.progress();
     std::vector<maps::MapContent> contents;
     for (const auto& structure : building.structures()) {
@@ -187,11 +192,7 @@ class BuildRun {
       if (content.ok()) contents.push_back(*std::move(content));
     }
     const bool is_known = contents.size() == building.structures().size();
-    if (is_stopped && !is_known) {
-      MORTISE_RETURN_IF_ERROR(context_.Transact(
-          [this](store::Transaction& transaction) { return DropAnswers(transaction, id_); }));
-      return absl::CancelledError("cancelled before there was a map");
-    }
+    if (is_stopped && !is_known) return absl::CancelledError("cancelled before there was a map");
     if (!is_known || progress.failed == progress.evaluations) {
       return PreconditionFailed(
           "MAP_EMPTY",
@@ -222,6 +223,8 @@ class BuildRun {
     rpc::SetTagsAndCreator(context_.operation(), &map);
     MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment_.store->Blobs());
     MORTISE_ASSIGN_OR_RETURN(const std::string digest, blobs->Put(bytes));
+    // The same file may be there from a map that was deleted, and about to be removed.
+    MORTISE_RETURN_IF_ERROR(store::TouchBlob(*blobs, digest));
     map.set_sha256(digest);
     map.set_bytes(static_cast<std::int64_t>(bytes.size()));
     MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) -> absl::Status {

@@ -128,5 +128,40 @@ TEST(MapBuildingTest, StopsWhenItsTimeIsOver) {
   EXPECT_TRUE(building->structures()[1]->Content().ok());
 }
 
+TEST(MapBuildingTest, HasAMapWhereItsTimeIsOverBeforeItBegins) {
+  const MapPlan plan = ExamplePlan(1000);
+  BuildOptions options = OptionsOf(2, 2);
+  options.is_out_of_time = [] { return true; };
+  const auto building = MapBuilding::Create(plan, options).value();
+  ASSERT_TRUE(building->Run({}).ok());
+  EXPECT_EQ(building->ReasonOf(0), StopReason::kTime);
+  EXPECT_LT(building->progress().evaluations, 100);
+  for (const auto& structure : building->structures()) EXPECT_TRUE(structure->Content().ok());
+}
+
+TEST(MapBuildingTest, HasWhatWasKeptWhereItIsCancelledBeforeItGoesOn) {
+  const MapPlan plan = ExamplePlan(100);
+  BuildOptions options = OptionsOf(3, 4);
+  KnownAnswers kept;
+  options.keep = [&kept](const KnownAnswers& answers) {
+    kept.insert(answers.begin(), answers.end());
+    return absl::OkStatus();
+  };
+  options.cancelled = [&kept] { return kept.size() > 60; };
+  const auto interrupted = MapBuilding::Create(plan, options).value();
+  ASSERT_TRUE(interrupted->Run({}).ok());
+  std::atomic<int> asked = 0;
+  options.evaluate = [&asked](const auto&) {
+    ++asked;
+    return absl::UnavailableError("away");
+  };
+  options.cancelled = [] { return true; };
+  const auto resumed = MapBuilding::Create(plan, options).value();
+  ASSERT_TRUE(resumed->Run(KnownAnswers(kept)).ok());
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(resumed->progress().evaluations, static_cast<std::int64_t>(kept.size()));
+  ExpectSame(*resumed, *interrupted);
+}
+
 }  // namespace
 }  // namespace mortise::interpolator
