@@ -36,7 +36,6 @@ class ScaledProblem {
     for (Index k = 0; k < problem.lower.size(); ++k) {
       if (problem.upper(k) > problem.lower(k)) free_.push_back(k);
     }
-    ranges_ = VectorXd::Ones(static_cast<Index>(problem.limits.size()));
   }
 
   Index dimension() const { return static_cast<Index>(free_.size()); }
@@ -84,29 +83,21 @@ class ScaledProblem {
     return point;
   }
 
-  // Sets the scales by how far objective and metrics range between these points.
-  void SetScales(const std::vector<Point>& points) {
-    if (points.size() < 2) return;
-    const auto range_of = [&points](auto value) {
-      double least = value(points.front()), most = least;
-      for (const Point& point : points) {
-        least = std::min(least, value(point));
-        most = std::max(most, value(point));
-      }
-      return most > least ? most - least : 1.0;
-    };
-    objective_range_ = range_of([](const Point& point) { return point.objective; });
-    for (std::size_t j = 0; j < problem_.limits.size(); ++j) {
-      const Index metric = problem_.limits[j].metric;
-      ranges_(static_cast<Index>(j)) =
-          range_of([metric](const Point& point) { return point.metrics(metric); });
-    }
+  // Sets the scale by how far the objective ranges between these points, or else by its slope at
+  // the first.
+  void SetScale(const std::vector<Point>& points) {
+    const auto [least, most] = std::ranges::minmax_element(points, {}, &Point::objective);
+    objective_range_ = most->objective - least->objective;
+    if (objective_range_ > 0) return;
+    const absl::StatusOr<Point> first = Evaluate(points.front().place, true);
+    if (first.ok()) objective_range_ = first->objective_slope.norm();
+    if (!(objective_range_ > 0)) objective_range_ = 1;
   }
 
   double ObjectiveScale() const { return (problem_.maximize ? -1.0 : 1.0) / objective_range_; }
   // The range of the metric that a side belongs to.
   double RangeOfSide(Index side) const {
-    return ranges_(sides_[static_cast<std::size_t>(side)].limit);
+    return problem_.ranges(sides_[static_cast<std::size_t>(side)].metric);
   }
   Index side_count() const { return static_cast<Index>(sides_.size()); }
 
@@ -126,17 +117,14 @@ class ScaledProblem {
   }
 
   void ListSides() {
-    for (std::size_t j = 0; j < problem_.limits.size(); ++j) {
-      const MetricLimit& limit = problem_.limits[j];
-      const auto at = static_cast<Index>(j);
-      if (limit.minimum) sides_.push_back({at, limit.metric, -1, *limit.minimum});
-      if (limit.maximum) sides_.push_back({at, limit.metric, 1, *limit.maximum});
+    for (const MetricLimit& limit : problem_.limits) {
+      if (limit.minimum) sides_.push_back({limit.metric, -1, *limit.minimum});
+      if (limit.maximum) sides_.push_back({limit.metric, 1, *limit.maximum});
     }
   }
 
  private:
   struct Side {
-    Index limit = 0;
     Index metric = 0;
     double sign = 1;  // of the metric in what must not be above 0
     double bound = 0;
@@ -171,7 +159,6 @@ class ScaledProblem {
   const MapFunction& map_;
   std::vector<Index> free_;
   std::vector<Side> sides_;
-  VectorXd ranges_;  // of the metric of each limit, between the starts
   double objective_range_ = 1;
 };
 
@@ -283,6 +270,9 @@ absl::Status CheckProblem(const MapOptimization& problem) {
       !problem.upper.allFinite() || (problem.lower.array() > problem.upper.array()).any()) {
     return absl::InvalidArgumentError("the bounds must be finite, the lower below the upper");
   }
+  if (!problem.ranges.allFinite() || !(problem.ranges.array() > 0).all()) {
+    return absl::InvalidArgumentError("the ranges of metrics must be above 0");
+  }
   if (problem.starts < 1) return absl::InvalidArgumentError("there must be at least one start");
   return absl::OkStatus();
 }
@@ -322,7 +312,7 @@ absl::StatusOr<MapOptimum> Optimize(const MapOptimization& problem, const MapFun
   scaled.ListSides();
   auto ends = EvaluateStarts(scaled, problem);
   if (!ends.ok()) return ends.status();
-  scaled.SetScales(*ends);
+  if (scaled.dimension() > 0) scaled.SetScale(*ends);
   for (ScaledProblem::Point& end : *ends) {
     if (scaled.dimension() == 0) break;
     Search search(scaled, end);

@@ -37,8 +37,9 @@ struct MetricLimit {
 };
 
 struct MapOptimization {
-  Eigen::VectorXd lower;  // n, SI units
-  Eigen::VectorXd upper;  // n; the lower bound where a parameter is fixed
+  Eigen::VectorXd lower;   // n, SI units
+  Eigen::VectorXd upper;   // n; the lower bound where a parameter is fixed
+  Eigen::VectorXd ranges;  // m, above 0: how far each metric ranges over the map, SI units
   // What is minimised: over the n parameters and then the m metrics, in this order.
   parametric::Expression objective;
   bool maximize = false;  // that it is maximised instead
@@ -51,17 +52,18 @@ struct MapOptimum {
   Eigen::VectorXd parameters;  // n
   Eigen::VectorXd metrics;     // m, by the map
   double objective = 0;
-  // By how much limits are missed at the most, over what the metric ranges between the starts; 0
-  // where all are kept.
+  // By how much limits are missed at the most, over what the metric ranges over the map; 0 where
+  // all are kept.
   double violation = 0;
   int starts = 0;             // from how many places there was anything to search from
   int starts_that_agree = 0;  // how many of them ended within a thousandth of the box of it
 };
 
 // Returns the best point found that keeps all limits; the one that misses them least where none
-// does (`violation` says so). INVALID_ARGUMENT where bounds are not finite or reversed, there are
-// no starts, or the objective cannot be computed at any of them, with its reason; OUT_OF_RANGE
-// where the map has nothing at any start. Takes some hundred evaluations of the map for each start.
+// does (`violation` says so). INVALID_ARGUMENT where bounds are not finite or reversed, ranges are
+// not above 0, there are no starts, or the objective cannot be computed at any of them, with its
+// reason; OUT_OF_RANGE where the map has nothing at any start. Takes some hundred evaluations of
+// the map for each start.
 absl::StatusOr<MapOptimum> Optimize(const MapOptimization& problem, const MapFunction& map);
 
 }  // namespace mortise::interpolator

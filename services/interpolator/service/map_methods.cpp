@@ -34,19 +34,19 @@ absl::StatusOr<v1::ListMapsResponse> ListMaps(const Interpolator& interpolator, 
 }
 
 absl::StatusOr<v1::EvaluateMapResponse> EvaluateMap(const Interpolator& interpolator,
-                                                    const rpc::Call&,
+                                                    const rpc::Call& call,
                                                     const v1::EvaluateMapRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map,
                            interpolator.loaded->Get(asked.name()));
-  return Evaluate(*map, asked);
+  return Evaluate(*map, asked, [&call] { return call.cancelled(); });
 }
 
 absl::StatusOr<v1::OptimizeMapResponse> OptimizeMap(const Interpolator& interpolator,
-                                                    const rpc::Call&,
+                                                    const rpc::Call& call,
                                                     const v1::OptimizeMapRequest& asked) {
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map,
                            interpolator.loaded->Get(asked.name()));
-  return FindOptimum(*map, asked);
+  return FindOptimum(*map, asked, [&call] { return call.cancelled(); });
 }
 
 absl::StatusOr<v1::DesignMap> UpdateMap(const rpc::Call& call, const v1::UpdateMapRequest& asked,

@@ -21,7 +21,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMaxLimits = 32;
-constexpr int kMaxStarts = 200;
+constexpr int kMaxStarts = 200;     // in one structure
+constexpr int kMaxSearches = 2000;  // of all structures, some seconds
 constexpr int kDefaultStarts = 16;
 
 // The numbers that an objective speaks of: the map's P parameters, those that are fixed, its
@@ -132,10 +133,12 @@ std::optional<StructureBounds> BoundsOf(const v1::DesignMap& map, int structure,
 // The map of one structure over its parameters and what is fixed, which nothing depends on.
 class StructureFunction {
  public:
-  StructureFunction(const v1::DesignMap& map, const maps::InterpolationMap& structure)
-      : map_(map), structure_(structure) {}
+  StructureFunction(const v1::DesignMap& map, const maps::InterpolationMap& structure,
+                    const std::function<bool()>& is_given_up)
+      : map_(map), structure_(structure), is_given_up_(is_given_up) {}
 
   absl::StatusOr<PointMetrics> operator()(const VectorXd& parameters, bool gradients) const {
+    if (is_given_up_()) return absl::CancelledError("given up");
     const Index varying = map_.parameters_size(), numbers = structure_.dimension();
     VectorXd place(numbers);
     Index row = 0;
@@ -177,7 +180,33 @@ class StructureFunction {
 
   const v1::DesignMap& map_;
   const maps::InterpolationMap& structure_;
+  const std::function<bool()>& is_given_up_;
 };
+
+// A metric that is the same everywhere ranges over what it is.
+VectorXd RangesOf(const v1::DesignMap& map) {
+  VectorXd ranges(map.metrics_size());
+  for (int m = 0; m < map.metrics_size(); ++m) {
+    const double range = map.metrics(m).maximum() - map.metrics(m).minimum();
+    const double size = std::abs(map.metrics(m).maximum());
+    ranges(m) = range > 0 ? range : size > 0 ? size : 1;
+  }
+  return ranges;
+}
+
+absl::StatusOr<int> ReadStarts(const v1::OptimizeMapRequest& asked, int structures) {
+  const int starts = asked.starts() == 0 ? kDefaultStarts : asked.starts();
+  if (starts < 1 || starts > kMaxStarts) {
+    return InvalidField("starts", absl::StrCat("must be 1 to ", kMaxStarts));
+  }
+  if (starts * structures > kMaxSearches) {
+    return InvalidField(
+        "starts",
+        absl::StrCat("with ", structures, " structures, at most ", kMaxSearches / structures,
+                     " are possible: fix whole numbers and choices for more"));
+  }
+  return starts;
+}
 
 bool IsBetter(const MapOptimum& a, const MapOptimum& b, bool maximize) {
   if (a.violation != b.violation) return a.violation < b.violation;
@@ -221,35 +250,42 @@ v1::OptimizeMapResponse ToResponse(const LoadedMap& map, std::size_t structure,
 }  // namespace
 
 absl::StatusOr<v1::OptimizeMapResponse> FindOptimum(const LoadedMap& map,
-                                                    const v1::OptimizeMapRequest& asked) {
+                                                    const v1::OptimizeMapRequest& asked,
+                                                    const std::function<bool()>& is_given_up) {
   const v1::DesignMap& record = map.record;
-  if (asked.starts() < 0 || asked.starts() > kMaxStarts) {
-    return InvalidField("starts", absl::StrCat("must be 1 to ", kMaxStarts));
-  }
   MORTISE_ASSIGN_OR_RETURN(const parametric::Expression objective, ReadObjective(record, asked));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<MetricLimit> limits, ReadLimits(record, asked));
   MORTISE_ASSIGN_OR_RETURN(const auto held, ReadFixed(record, asked));
+  std::vector<std::pair<std::size_t, StructureBounds>> structures;
+  for (std::size_t s = 0; s < map.structures.size(); ++s) {
+    auto bounds = BoundsOf(record, static_cast<int>(s), held);
+    if (bounds) structures.emplace_back(s, *std::move(bounds));
+  }
+  if (structures.empty()) return InvalidField("fixed", "no structure of the map has these values");
+  MORTISE_ASSIGN_OR_RETURN(const int starts,
+                           ReadStarts(asked, static_cast<int>(structures.size())));
   std::optional<MapOptimum> best;
   std::size_t best_structure = 0;
-  absl::Status reason = InvalidField("fixed", "no structure of the map has these values");
-  for (std::size_t s = 0; s < map.structures.size(); ++s) {
-    const auto bounds = BoundsOf(record, static_cast<int>(s), held);
-    if (!bounds) continue;
-    auto optimum = Optimize({.lower = bounds->lower,
-                             .upper = bounds->upper,
+  absl::Status reason;
+  for (const auto& [structure, bounds] : structures) {
+    auto optimum = Optimize({.lower = bounds.lower,
+                             .upper = bounds.upper,
+                             .ranges = RangesOf(record),
                              .objective = objective,
                              .maximize = asked.maximize(),
                              .limits = limits,
-                             .starts = asked.starts() == 0 ? kDefaultStarts : asked.starts(),
+                             .starts = starts,
                              .seed = static_cast<std::uint64_t>(asked.seed())},
-                            StructureFunction(record, map.structures[s]));
-    if (!optimum.ok()) {
-      reason = absl::IsInvalidArgument(optimum.status())
-                   ? InvalidField("objective", StandardView(optimum.status().message()))
-                   : PreconditionFailed("MAP_UNCOVERED", StandardView(optimum.status().message()));
+                            StructureFunction(record, map.structures[structure], is_given_up));
+    if (absl::IsInvalidArgument(optimum.status())) {
+      reason = InvalidField("objective", StandardView(optimum.status().message()));
+    } else if (absl::IsOutOfRange(optimum.status())) {
+      reason = PreconditionFailed("MAP_UNCOVERED", StandardView(optimum.status().message()));
+    } else if (!optimum.ok()) {
+      return optimum.status();
     } else if (!best || IsBetter(*optimum, *best, asked.maximize())) {
       best = *std::move(optimum);
-      best_structure = s;
+      best_structure = structure;
     }
   }
   if (!best) return reason;

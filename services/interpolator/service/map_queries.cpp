@@ -16,6 +16,8 @@ namespace {
 
 // How far beyond an end of a range a number may lie, over the range: rounding of who computed it.
 constexpr double kRounding = 1e-9;
+// Points that are interpolated at once: a map's metrics are all computed, asked for or not.
+constexpr std::size_t kBlock = 1000;
 
 // Which structure has these values of whole parameters.
 std::map<std::vector<double>, std::size_t> StructuresByValues(const v1::DesignMap& map) {
@@ -192,7 +194,8 @@ Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& poin
 }
 
 absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
-                                                 const v1::EvaluateMapRequest& asked) {
+                                                 const v1::EvaluateMapRequest& asked,
+                                                 const std::function<bool()>& is_given_up) {
   const v1::DesignMap& record = map.record;
   MORTISE_ASSIGN_OR_RETURN(std::vector<int> columns, ColumnsOf(record, asked));
   MORTISE_ASSIGN_OR_RETURN(const MapPoints points, ReadPoints(record, asked.points(), kMaxPoints));
@@ -204,11 +207,16 @@ absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
   const Eigen::MatrixXd places = UnitPlaces(record, points.points);
   for (std::size_t s = 0; s < map.structures.size(); ++s) {
     const std::vector<Eigen::Index> numbers = PointsOf(points, s);
-    if (numbers.empty()) continue;
-    const maps::MapValues interpolated =
-        map.structures[s].Evaluate(places(Eigen::all, numbers).eval(), asked.gradients());
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      answer.Put(interpolated, static_cast<Eigen::Index>(i), numbers[i]);
+    for (std::size_t first = 0; first < numbers.size(); first += kBlock) {
+      if (is_given_up()) return absl::CancelledError("given up");
+      const std::vector<Eigen::Index> block(
+          numbers.begin() + static_cast<std::ptrdiff_t>(first),
+          numbers.begin() + static_cast<std::ptrdiff_t>(std::min(first + kBlock, numbers.size())));
+      const maps::MapValues interpolated =
+          map.structures[s].Evaluate(places(Eigen::all, block).eval(), asked.gradients());
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        answer.Put(interpolated, static_cast<Eigen::Index>(i), block[i]);
+      }
     }
   }
   for (Eigen::Index i = 0; i < points.points.cols(); ++i) {

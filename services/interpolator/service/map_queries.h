@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,10 @@ absl::StatusOr<MapPoints> ReadPoints(const v1::DesignMap& map,
 // Returns the K numbers of each point, as places in the unit box: K x n.
 Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& points);
 
-// INVALID_ARGUMENT as ReadPoints, and naming "metrics[0]" that the map lacks.
+// INVALID_ARGUMENT as ReadPoints, and naming "metrics[0]" that the map lacks; CANCELLED soon after
+// `is_given_up` says so.
 absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
-                                                 const v1::EvaluateMapRequest& asked);
+                                                 const v1::EvaluateMapRequest& asked,
+                                                 const std::function<bool()>& is_given_up);
 
 }  // namespace mortise::interpolator

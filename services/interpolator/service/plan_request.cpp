@@ -234,13 +234,33 @@ absl::Status AddMetrics(const v1::MapSpecification& specification, const v1::Des
   return absl::OkStatus();
 }
 
+// Elements keep the coefficients of B-splines over them, 2^K or 4^K of each metric, and there are
+// fewer elements than evaluations: some 800 MB at the most. What is smooth is fitted anew around
+// each element when it is read, some 10 ms each.
+absl::Status CheckSize(const v1::MapSpecification& specification, const MapPlan& plan) {
+  constexpr double kMaxCoefficients = 1e8;
+  constexpr double kMaxCubicEvaluations = 20'000;
+  const bool is_cubic = specification.basis() == v1::MapSpecification::CUBIC;
+  const double each = std::pow(is_cubic ? 4.0 : 2.0, plan.NumberParameters().size()) *
+                      static_cast<double>(plan.metrics.size());
+  const double most =
+      std::min(std::floor(kMaxCoefficients / each), is_cubic ? kMaxCubicEvaluations : 1e9);
+  if (plan.evaluations <= most) return absl::OkStatus();
+  return InvalidField(
+      "specification.evaluations",
+      absl::StrCat("at most ", most, " are possible with ", plan.metrics.size(), " metrics and ",
+                   plan.NumberParameters().size(), " numbers, ", is_cubic ? "CUBIC" : "LINEAR"));
+}
+
 absl::Status SetBudget(const v1::MapSpecification& specification, MapPlan& plan) {
   plan.evaluations =
       specification.evaluations() == 0 ? kDefaultEvaluations : specification.evaluations();
   // The corners of the box, and two designs to know its error by.
   const int least = (1 << plan.NumberParameters().size()) + 2;
   const auto structures = static_cast<int>(plan.structures.cols());
-  if (plan.evaluations / structures >= std::max(least, kMinEvaluations)) return absl::OkStatus();
+  if (plan.evaluations / structures >= std::max(least, kMinEvaluations)) {
+    return CheckSize(specification, plan);
+  }
   return InvalidField(
       "specification.evaluations",
       absl::StrCat("at least ", structures * std::max(least, kMinEvaluations), " are needed for ",

@@ -148,7 +148,8 @@ absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environm
   MORTISE_ASSIGN_OR_RETURN(const std::vector<DesignAnswer> answers, evaluator->Evaluate(designs));
   v1::EvaluateMapRequest asked;
   *asked.mutable_points() = request.points();
-  MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse mapped, Evaluate(*map, asked));
+  MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse mapped,
+                           Evaluate(*map, asked, [&] { return context.Cancelled(); }));
   MORTISE_ASSIGN_OR_RETURN(
       const v1::DesignMap verified,
       Store(context, request.name(),

@@ -21,6 +21,7 @@ parametric::Expression Parsed(const std::string& text) {
 MapOptimization Bowl() {
   return {.lower = VectorXd::Constant(2, -4.0),
           .upper = VectorXd::Constant(2, 4.0),
+          .ranges = Eigen::Vector2d(111, 16),
           .objective = Parsed("f"),
           .limits = {}};
 }
@@ -104,6 +105,40 @@ TEST(MapOptimizationTest, SaysByHowMuchLimitsAreMissedThatNothingKeeps) {
   ASSERT_TRUE(optimum.ok()) << optimum.status();
   EXPECT_GT(optimum->violation, 0.05);
   EXPECT_LT((optimum->parameters - Eigen::Vector2d(4, 4)).norm(), 1e-2);
+  EXPECT_NEAR(optimum->violation, 2.0 / 16, 1e-3);
+}
+
+TEST(MapOptimizationTest, KeepsSmallLimitsFromOneStart) {
+  // In other units, where all is a millionth: nothing is judged by what a number is in itself.
+  const MapFunction small = [](const VectorXd& at, bool gradients) -> absl::StatusOr<PointMetrics> {
+    auto values = BowlValues(at, gradients);
+    values->metrics *= 1e-6;
+    values->gradients *= 1e-6;
+    return values;
+  };
+  MapOptimization problem = Bowl();
+  problem.ranges *= 1e-6;
+  problem.starts = 1;
+  MetricLimit limit;
+  limit.metric = 1;
+  limit.minimum = 3e-6;
+  problem.limits = {limit};
+  const auto optimum = Optimize(problem, small);
+  ASSERT_TRUE(optimum.ok()) << optimum.status();
+  EXPECT_LT((optimum->parameters - Eigen::Vector2d(3.5, -0.5)).norm(), 1e-2);
+  EXPECT_EQ(optimum->violation, 0);
+  EXPECT_GE(optimum->metrics(1), 3e-6 * (1 - 1e-5));
+}
+
+TEST(MapOptimizationTest, EndsWhereItIsGivenUp) {
+  int asked = 0;
+  const MapFunction given_up = [&asked](const VectorXd& at,
+                                        bool gradients) -> absl::StatusOr<PointMetrics> {
+    if (++asked > 50) return absl::CancelledError("given up");
+    return BowlValues(at, gradients);
+  };
+  EXPECT_EQ(Optimize(Bowl(), given_up).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(asked, 51);
 }
 
 TEST(MapOptimizationTest, StaysWhereTheMapHasSomething) {

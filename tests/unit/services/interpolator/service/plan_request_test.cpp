@@ -46,6 +46,18 @@ v1::MapSpecification SpecificationOf(int evaluations = 500) {
   return specification;
 }
 
+TEST(PlanRequestTest, RefusesMapsThatWouldNotFitIntoMemory) {
+  const v1::DesignSpace space = SpaceOf(5);
+  v1::MapSpecification specification = SpecificationOf(1'000'000);
+  EXPECT_TRUE(MakePlan(specification, space).ok());  // 32 coefficients in each element
+  specification.set_basis(v1::MapSpecification::CUBIC);
+  const auto cubic = MakePlan(specification, space);
+  EXPECT_EQ(cubic.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(DetailOf(cubic.status()).field, "specification.evaluations");
+  specification.set_evaluations(20'000);
+  EXPECT_TRUE(MakePlan(specification, space).ok());
+}
+
 TEST(PlanRequestTest, VariesAllNumbersThatAreNotFixed) {
   v1::MapSpecification specification = SpecificationOf();
   auto& fixed = *specification.add_fixed();
