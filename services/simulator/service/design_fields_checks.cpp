@@ -9,6 +9,7 @@
 #include "common/expressions/identifier.h"
 #include "common/fields/fields_file.h"
 #include "common/store/blob_folder.h"
+#include "common/store/blob_upkeep.h"
 #include "services/simulator/worker/fields_codec.h"
 
 namespace mortise::simulator {
@@ -188,6 +189,8 @@ absl::Status CheckOffered(const v1::DesignSpace& space, const std::string& field
 
 absl::StatusOr<ReportedFile> ReadReported(store::BlobFolder& blobs, const std::string& sha256) {
   constexpr char kPlace[] = "result.design_fields.sha256";
+  // It is kept from when it is named, not from when it was uploaded.
+  store::TouchBlob(blobs, sha256).IgnoreError();
   const absl::StatusOr<std::string> bytes =
       blobs.Get(sha256, static_cast<std::size_t>(fields::kMaximumFileSize));
   if (absl::IsNotFound(bytes.status())) return InvalidField(kPlace, "has not been uploaded");

@@ -13,6 +13,7 @@
 #include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
+#include "common/store/blob_upkeep.h"
 #include "services/simulator/service/design_fields_checks.h"
 #include "services/simulator/service/evaluation_subject.h"
 #include "services/simulator/service/evaluator_records.h"
@@ -109,15 +110,19 @@ v1::LeaseTasksResponse ToLease(const std::vector<store::Task>& tasks) {
 // What a worker says of its attempt, on the way into the store.
 class Report {
  public:
-  Report(const v1::ReportTaskRequest& asked, std::string key, store::BlobFolder& blobs,
-         LeasedTaskCache& leased_tasks)
+  Report(const v1::ReportTaskRequest& asked, std::string key, store::Store& store,
+         store::BlobFolder& blobs, LeasedTaskCache& leased_tasks)
       : asked_(asked),
         key_(std::move(key)),
         queue_(QueueOf(key_)),
         blobs_(blobs),
         leased_tasks_(leased_tasks) {
     // Before any transaction, as it may take a while.
-    if (IsEvaluatorName(queue_) && asked.result().has_design_fields()) {
+    if (!asked.result().has_design_fields()) return;
+    const absl::StatusOr<bool> wants = WantsFile(store);
+    if (!wants.ok()) {
+      file_ = wants.status();
+    } else if (*wants) {
       file_ = ReadReported(blobs_, asked.result().design_fields().sha256());
     }
   }
@@ -140,6 +145,23 @@ class Report {
   const absl::Status& fault() const { return fault_; }
 
  private:
+  // Whether this attempt at an evaluator's task is to give a file. Others' files are not opened,
+  // which takes memory and time; the transaction says what is wrong with such a report.
+  absl::StatusOr<bool> WantsFile(store::Store& store) const {
+    if (!IsEvaluatorName(queue_)) return false;
+    if (const auto leased = leased_tasks_.Find(key_)) return leased->task.has_design_fields();
+    bool wants = false;
+    const absl::Status read = store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+      MORTISE_ASSIGN_OR_RETURN(const store::Task stored, transaction.GetTask(queue_, key_));
+      v1::Task task;
+      wants = stored.attempt == asked_.task().attempt() && task.ParseFromString(stored.payload) &&
+              task.has_design_fields();
+      return absl::OkStatus();
+    });
+    if (!read.ok() && !absl::IsNotFound(read)) return read;
+    return wants;
+  }
+
   absl::Status SettleFailure(store::Transaction& transaction) const {
     const int64_t attempt = asked_.task().attempt();
     if (!fault_.ok()) {
@@ -192,7 +214,7 @@ class Report {
   // Our own workers say themselves what is in their file.
   absl::Status CheckUploaded(const v1::EvaluationResult& result) {
     if (!result.has_design_fields()) return absl::OkStatus();
-    if (blobs_.Size(result.design_fields().sha256()).ok()) return absl::OkStatus();
+    if (store::TouchBlob(blobs_, result.design_fields().sha256()).ok()) return absl::OkStatus();
     return InvalidField("result.design_fields.sha256", "has not been uploaded");
   }
 
@@ -213,7 +235,9 @@ class Report {
   const std::string queue_;
   store::BlobFolder& blobs_;
   LeasedTaskCache& leased_tasks_;
-  absl::StatusOr<ReportedFile> file_ = ReportedFile();  // of a result that names one
+  // Of a result that names one.
+  absl::StatusOr<ReportedFile> file_ =
+      InvalidField("result.design_fields", "is not of an attempt that there is");
   absl::Status fault_;
 };
 
@@ -286,7 +310,7 @@ absl::StatusOr<v1::ReportTaskResponse> ReportTask(const Simulator& simulator, co
   MORTISE_ASSIGN_OR_RETURN(const std::string key, TaskKey(asked.task().name(), "task.name"));
   MORTISE_RETURN_IF_ERROR(CheckAttempt(asked.task().attempt(), "task.attempt"));
   SimulatorCore& core = *simulator.core;
-  Report report(asked, key, *simulator.blobs, core.leased_tasks());
+  Report report(asked, key, *core.store(), *simulator.blobs, core.leased_tasks());
   store::Task task;
   MORTISE_RETURN_IF_ERROR(core.store()->Transact(
       [&](store::Transaction& transaction) -> absl::Status {
