@@ -62,7 +62,7 @@ absl::Status CheckDisk(const DiskPatch& patch) {
 }
 
 // Solves for the inner vertices: each the mean of its neighbours, weighted by mean values or
-// equally. Returns nothing if the equations cannot be solved.
+// equally. INTERNAL if the equations cannot be solved.
 absl::StatusOr<Eigen::Matrix2Xd> Flatten(const DiskPatch& patch, const Eigen::Matrix2Xd& boundary,
                                          bool has_equal_weights) {
   const Eigen::Index count = patch.vertices.cols();
@@ -158,10 +158,9 @@ absl::StatusOr<DiskMap> DiskMap::Create(const DiskPatch& patch, const Eigen::Mat
                                                  patch.boundary.size(), " vertices"));
   }
   for (const bool has_equal_weights : {false, true}) {
-    MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix2Xd positions,
-                             Flatten(patch, boundary, has_equal_weights));
-    if (!HasFlipped(patch.triangles, positions)) {
-      return DiskMap(patch.triangles, std::move(positions));
+    absl::StatusOr<Eigen::Matrix2Xd> positions = Flatten(patch, boundary, has_equal_weights);
+    if (positions.ok() && !HasFlipped(patch.triangles, *positions)) {
+      return DiskMap(patch.triangles, *std::move(positions));
     }
   }
   return absl::InternalError(
