@@ -239,6 +239,8 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
     if (name == "catalog") Add(service, {"--collection", options.collection.string()});
     if (name != "catalog") Add(service, {"--peer", catalog});
     if (name == "pareto" || name == "interpolator") Add(service, {"--peer", simulator});
+    // Builds wait for workers, and would keep all else of it waiting.
+    if (name == "interpolator") Add(service, {"--operation-threads", "16"});
     plan.processes.push_back(std::move(service));
   }
   AddWorkers(options, catalog, simulator, plan);
