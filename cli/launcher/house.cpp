@@ -82,6 +82,16 @@ HouseProcess Worker(const HouseOptions& options, const std::string& service, int
   return worker;
 }
 
+// What only some services are told. Builds of maps wait for workers, and would keep all else that
+// the interpolator does waiting.
+void AddOwnFlags(const std::string& name, const HouseOptions& options, const std::string& catalog,
+                 const std::string& simulator, HouseProcess& service) {
+  if (name == "catalog") Add(service, {"--collection", options.collection.string()});
+  if (name != "catalog") Add(service, {"--peer", catalog});
+  if (name == "pareto" || name == "interpolator") Add(service, {"--peer", simulator});
+  if (name == "interpolator") Add(service, {"--operation-threads", "16"});
+}
+
 void AddWorkers(const HouseOptions& options, const std::string& catalog,
                 const std::string& simulator, HousePlan& plan) {
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -236,11 +246,7 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     const std::string& name = HouseServices()[i];
     HouseProcess service = Service(options, name, addresses[i], "tcp://" + bus_publish);
-    if (name == "catalog") Add(service, {"--collection", options.collection.string()});
-    if (name != "catalog") Add(service, {"--peer", catalog});
-    if (name == "pareto" || name == "interpolator") Add(service, {"--peer", simulator});
-    // Builds wait for workers, and would keep all else of it waiting.
-    if (name == "interpolator") Add(service, {"--operation-threads", "16"});
+    AddOwnFlags(name, options, catalog, simulator, service);
     plan.processes.push_back(std::move(service));
   }
   AddWorkers(options, catalog, simulator, plan);
