@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "common/base/errors.h"
+#include "common/base/string_views.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 
@@ -167,6 +168,10 @@ absl::Status EvaluatorClient::CallOnce(Batch& batch) {
   active_.erase(context.get());
   if (!wrong.ok()) return wrong;
   if (batch.Complete()) return absl::OkStatus();
+  // Nobody here gave it up: whoever served it goes away.
+  if (absl::IsCancelled(finished) && !interrupted_) {
+    return PeerUnavailable("evaluator", StandardView(finished.message()));
+  }
   if (!finished.ok()) return finished;
   return PeerUnavailable("evaluator", "designs were left without an answer");
 }

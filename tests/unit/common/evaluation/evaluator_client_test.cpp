@@ -208,6 +208,18 @@ TEST_F(EvaluatorClientTest, AsksAgainForWhatGotLostAndForNothingElse) {
   EXPECT_EQ(requests[2].points(0).parameters(1), 2);
 }
 
+TEST_F(EvaluatorClientTest, AsksAgainWhereWhoServedItGoesAway) {
+  evaluator_.Then([](auto&, const auto& request, auto& writer) {
+    writer.Write(ResultOf(request, 0));
+    return grpc::Status(grpc::StatusCode::CANCELLED, "shutting down");
+  });
+  const auto answers = Evaluate(designs_);
+  ASSERT_TRUE(answers.ok()) << answers.status();
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*answers)[i].values[0], designs_[i].sum());
+  ASSERT_EQ(evaluator_.requests().size(), 2u);
+  EXPECT_EQ(evaluator_.requests()[1].points_size(), static_cast<int>(designs_.size()) - 1);
+}
+
 TEST_F(EvaluatorClientTest, ACallThatTakesTooLongIsMadeAgain) {
   evaluator_.Then([](grpc::ServerContext& context, const auto&, auto&) {
     while (!context.IsCancelled()) std::this_thread::yield();
