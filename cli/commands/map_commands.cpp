@@ -62,6 +62,7 @@ absl::Status Verify(const VerifyOptions& options, Session& session, Output& outp
           output));
   if (!verified) return absl::OkStatus();
   PrintVerification(*verified, output);
+  PrintStale(*verified, output);
   output.DocumentOf(*verified);
   return absl::OkStatus();
 }

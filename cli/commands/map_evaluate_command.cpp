@@ -128,9 +128,7 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse answer,
                            EvaluateAll(map, options, points, *client));
   PrintPoints(map, points, answer, output);
-  if (map.stale()) {
-    output.Line(map.specification().subject() + " has a newer revision than this map, or is gone");
-  }
+  PrintStale(map, output);
   const std::size_t count = points.size() / static_cast<std::size_t>(map.parameters_size());
   output.Document(DocumentOf(map, options, answer, count));
   return absl::OkStatus();

@@ -2,11 +2,13 @@
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -82,6 +84,24 @@ absl::StatusOr<v1::EvaluationResult> Verified(const v1::DesignMap& map,
   return std::move(evaluated.result);
 }
 
+// Which metrics of the design miss their limits once they are evaluated, and by how much, SI units.
+std::vector<std::pair<std::string, v1::Metric>> Misses(
+    const v1::OptimizeMapRequest& request, const v1::OptimizeMapResponse& optimum,
+    const std::optional<v1::EvaluationResult>& verified) {
+  std::vector<std::pair<std::string, v1::Metric>> misses;
+  if (!verified) return misses;
+  for (const v1::OptimizeMapRequest::Limit& limit : request.limits()) {
+    for (int k = 0; k < optimum.metrics_size(); ++k) {
+      if (optimum.metrics(k) != limit.metric()) continue;
+      const double value = verified->metrics(k).value();
+      double missed = limit.has_minimum() ? limit.minimum() - value : 0;
+      if (limit.has_maximum()) missed = std::max(missed, value - limit.maximum());
+      if (missed > 0) misses.emplace_back(limit.metric(), MetricOf(optimum.units(k), missed));
+    }
+  }
+  return misses;
+}
+
 void Print(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
            const std::optional<v1::EvaluationResult>& verified, const Output& output) {
   std::vector<std::vector<std::string>> parameters;
@@ -102,6 +122,7 @@ void Print(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
   output.Table(titles, metrics);
   output.Line(absl::StrFormat("  objective %.6g by the map; %d of %d searches ended here",
                               optimum.objective(), optimum.starts_that_agree(), optimum.starts()));
+  PrintStale(map, output);
   if (optimum.violation() > 0) {
     output.Line(absl::StrFormat(
         "  no design of the map keeps to all limits: this one misses one by %.3g of its range",
@@ -110,7 +131,8 @@ void Print(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
 }
 
 Json DocumentOf(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
-                const std::optional<v1::EvaluationResult>& verified) {
+                const std::optional<v1::EvaluationResult>& verified,
+                const std::vector<std::pair<std::string, v1::Metric>>& misses) {
   Json document;
   for (int k = 0; k < optimum.parameters_size(); ++k) {
     document["parameters"][map.parameters(k).name()] = optimum.parameters(k);
@@ -122,6 +144,9 @@ Json DocumentOf(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum
   }
   document["objective"] = optimum.objective();
   document["violation"] = optimum.violation();
+  document["stale"] = map.stale();
+  if (verified) document["missed"] = Json::object();
+  for (const auto& [metric, missed] : misses) document["missed"][metric] = missed.value();
   return document;
 }
 
@@ -141,7 +166,12 @@ absl::Status Optimize(const OptimizeOptions& options, FieldSources& sources, Ses
     MORTISE_ASSIGN_OR_RETURN(verified, Verified(map, optimum, *client));
   }
   Print(map, optimum, verified, output);
-  output.Document(DocumentOf(map, optimum, verified));
+  const auto misses = Misses(request, optimum, verified);
+  for (const auto& [metric, missed] : misses) {
+    output.Line(absl::StrCat("  evaluated, the design misses the limit of ", metric, " by ",
+                             MetricText(missed), ": the map is off there"));
+  }
+  output.Document(DocumentOf(map, optimum, verified, misses));
   return absl::OkStatus();
 }
 

@@ -112,12 +112,18 @@ void PrintMap(const v1::DesignMap& map, const Output& output) {
       map.name(), map.specification().subject(), map.specification().revision(), map.samples(),
       map.probes(), map.failed_evaluations(), map.elements(),
       absl::AsciiStrToLower(map.stop_reason())));
-  if (map.stale()) output.Line("  its subject has a newer revision by now, or is gone");
+  PrintStale(map, output);
   PrintParameters(map, output);
   PrintMetrics(map, output);
   PrintStructures(map, output);
   PrintFailures(map, output);
   PrintVerification(map, output);
+}
+
+void PrintStale(const v1::DesignMap& map, const Output& output) {
+  if (!map.stale()) return;
+  output.Line(absl::StrFormat("  of revision %d: %s has a newer one by now, or is gone",
+                              map.specification().revision(), map.specification().subject()));
 }
 
 void PrintVerification(const v1::DesignMap& map, const Output& output) {

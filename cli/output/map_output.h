@@ -9,6 +9,9 @@ namespace mortise::cli {
 // Prints what a map is of, how good it is, and why designs failed.
 void PrintMap(const v1::DesignMap& map, const Output& output);
 
+// Says that the map is of an earlier revision of its subject, where it is.
+void PrintStale(const v1::DesignMap& map, const Output& output);
+
 // Prints how far the map was off designs that were evaluated for it; nothing before it was
 // verified.
 void PrintVerification(const v1::DesignMap& map, const Output& output);

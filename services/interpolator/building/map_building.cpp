@@ -250,6 +250,7 @@ BuildProgress MapBuilding::progress() const {
   for (const auto& structure : structures_) {
     const maps::MapSamplingProgress now = structure->Progress();
     progress.elements += now.elements;
+    progress.is_measured = progress.is_measured || now.errors.probes > 0;
     progress.error =
         std::max(progress.error, LargestError(now.errors, options_.sampling.noise_floor));
   }

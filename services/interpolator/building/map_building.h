@@ -49,7 +49,8 @@ struct BuildProgress {
   std::int64_t failed = 0;                         // of those
   std::vector<evaluation::FailureCount> failures;  // why; the designs as points (P)
   std::int64_t elements = 0;
-  double error = 0;  // the largest over the range of its metric, of all structures
+  double error = 0;          // the largest over the range of its metric, of all structures
+  bool is_measured = false;  // whether that is known of any: new elements have no probes yet
 };
 
 struct BuildOptions {

@@ -137,9 +137,11 @@ class BuildRun {
     told_.done = progress.evaluations;
     told_.total = plan_.evaluations;
     told_.best_so_far = progress.error;
-    told_.has_best = progress.evaluations > progress.failed;
-    told_.message =
-        absl::StrFormat("error %.3g of the range, %d elements", progress.error, progress.elements);
+    told_.has_best = progress.is_measured;
+    told_.message = progress.is_measured
+                        ? absl::StrFormat("error %.3g of the range, %d elements", progress.error,
+                                          progress.elements)
+                        : absl::StrFormat("error not measured yet, %d elements", progress.elements);
     if (progress.failed > 0) {
       absl::StrAppend(&told_.message, ", ", progress.failed, " failed (",
                       evaluation::CountsByReason(progress.failures), ")");

@@ -70,24 +70,50 @@ void AddStructures(const MapPlan& plan, const MapBuilding& building,
   map.set_stop_reason(StopReasonName(first_of_all));
 }
 
+// What the map was off at its probes.
+struct ProbedErrors {
+  Eigen::ArrayXd largest;
+  Eigen::ArrayXd sum;
+  double probes = 0;
+
+  // Of one structure. Sampling may have ended while the elements of a round had no probes yet: then
+  // those of the elements that are served say it, and never less than they do.
+  void Add(const maps::MapErrors& present, const maps::MapContent& served) {
+    Eigen::ArrayXd of_elements = Eigen::ArrayXd::Zero(largest.size());
+    double elements = 0;
+    for (Eigen::Index e = 0; e < served.errors.cols(); ++e) {
+      if (served.cut_off[static_cast<std::size_t>(e)] != 0) continue;
+      largest = largest.max(served.errors.col(e).array());
+      of_elements += served.errors.col(e).array();
+      ++elements;
+    }
+    if (present.probes > 0) {
+      largest = largest.max(present.largest.array());
+      sum += present.probes * present.mean.array();
+      probes += present.probes;
+    } else {
+      sum += of_elements;
+      probes += elements;
+    }
+  }
+};
+
 // The errors of all structures: the mean weighs each by its probes.
-void AddMetrics(const MapPlan& plan, const MapBuilding& building, v1::DesignMap& map) {
+void AddMetrics(const MapPlan& plan, const MapBuilding& building,
+                const std::vector<maps::InterpolationMap>& structures, v1::DesignMap& map) {
   const auto metrics = static_cast<Eigen::Index>(plan.metrics.size());
   Eigen::ArrayXd least = Eigen::ArrayXd::Constant(metrics, std::numeric_limits<double>::infinity());
-  Eigen::ArrayXd most = -least, largest = Eigen::ArrayXd::Zero(metrics), sum = largest;
-  double probes = 0;
-  for (const auto& structure : building.structures()) {
-    const maps::MapSamplingCheckpoint told = structure->Checkpoint();
+  Eigen::ArrayXd most = -least;
+  ProbedErrors errors{Eigen::ArrayXd::Zero(metrics), Eigen::ArrayXd::Zero(metrics)};
+  for (std::size_t s = 0; s < structures.size(); ++s) {
+    const maps::MapSampling& structure = *building.structures()[s];
+    const maps::MapSamplingCheckpoint told = structure.Checkpoint();
     for (Eigen::Index i = 0; i < told.values.cols(); ++i) {
       if (!told.failures[static_cast<std::size_t>(i)].empty()) continue;
       least = least.min(told.values.col(i).array());
       most = most.max(told.values.col(i).array());
     }
-    const maps::MapErrors errors = structure->Progress().errors;
-    if (errors.probes == 0) continue;
-    largest = largest.max(errors.largest.array());
-    sum += errors.probes * errors.mean.array();
-    probes += errors.probes;
+    errors.Add(structure.Progress().errors, structures[s].content());
   }
   for (Eigen::Index i = 0; i < metrics; ++i) {
     const PlannedMetric& metric = plan.metrics[static_cast<std::size_t>(i)];
@@ -96,8 +122,8 @@ void AddMetrics(const MapPlan& plan, const MapBuilding& building, v1::DesignMap&
     to.set_unit(metric.unit);
     to.set_minimum(least[i]);
     to.set_maximum(most[i]);
-    to.set_largest_error(largest[i]);
-    to.set_mean_error(probes > 0 ? sum[i] / probes : 0);
+    to.set_largest_error(errors.largest[i]);
+    to.set_mean_error(errors.probes > 0 ? errors.sum[i] / errors.probes : 0);
     to.set_noise_floor(metric.noise_floor);
   }
 }
@@ -121,7 +147,7 @@ v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& 
   *map.mutable_specification() = specification;
   AddParameters(plan, map);
   AddStructures(plan, building, structures, map);
-  AddMetrics(plan, building, map);
+  AddMetrics(plan, building, structures, map);
   AddFailures(building.progress(), map);
   return map;
 }
