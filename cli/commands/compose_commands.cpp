@@ -266,6 +266,8 @@ absl::Status Save(const SaveOptions& options, Session& session, Output& output) 
                            AskComposer(*client, &Stub::SaveModel, request));
   output.Line(absl::StrFormat("%s, revision %d, of %s", saved.template_(),
                               saved.template_revision(), saved.assembly()));
+  MORTISE_ASSIGN_OR_RETURN(const v1::Model model, Get(*client, options));
+  PrintWarnings(model, output);
   output.DocumentOf(saved);
   return WritePicture(*client, options, output);
 }

@@ -68,6 +68,11 @@ void PrintModel(const v1::Model& model, Output& output) {
                     PlaceText(component.minimum())});
   }
   output.Table({"component", "of", "state", "parts", "size", "from"}, rows);
+  PrintWarnings(model, output);
+  output.DocumentOf(model);
+}
+
+void PrintWarnings(const v1::Model& model, const Output& output) {
   for (const v1::ModelWarning& warning : model.warnings()) {
     const std::string others =
         warning.elements().empty()
@@ -76,7 +81,6 @@ void PrintModel(const v1::Model& model, Output& output) {
     output.Line(absl::StrCat("warning: '", warning.element(), "' of ", warning.component(), others,
                              ": ", warning.text()));
   }
-  output.DocumentOf(model);
 }
 
 void PrintComponent(const v1::Model& model, const std::string& component, const Output& output) {

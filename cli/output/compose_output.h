@@ -10,6 +10,9 @@ namespace mortise::cli {
 // whole of it is the document.
 void PrintModel(const v1::Model& model, Output& output);
 
+// Prints what is not as it should be in a model: what nothing connects, or holds.
+void PrintWarnings(const v1::Model& model, const Output& output);
+
 // Prints what a component snapped by, or was connected by.
 void PrintComponent(const v1::Model& model, const std::string& component, const Output& output);
 
