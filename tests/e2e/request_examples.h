@@ -98,13 +98,18 @@ inline constexpr Example kExamples[] = {
      "mesh { element_size: 0.3 linear: true } metric_definitions { points { name: 'p' x: 'length' "
      "} "
      "expressions { name: 'slender' unit: '1' expression: \"distance('p', 'top/cap') / '2 m'\" } } "
-     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } gradients: true "
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } "
+     "design_fields { geometry: TETRAHEDRA fields: 'von_mises' regions: 'top/cap' position_step: "
+     "1e-6 "
+     "modes: 1 } gradients: true "
      "difference_step: 0.01",
      Outcome::kChanges},
     {"EvaluatorService/CreateEvaluator",
      "request_id: 'bad-40' evaluator { name: 'evaluators/bad' title: 'Bad' version: '1' space { "
      "parameters { name: 'x' unit: 'm' minimum: 0 maximum: 2 default_value: 1 step: 0.5 } "
-     "metrics { name: 'y' unit: 'kg' description: 'Mass.' offers_gradient: true } } }",
+     "metrics { name: 'y' unit: 'kg' description: 'Mass.' offers_gradient: true } "
+     "geometry: TETRAHEDRA "
+     "fields { name: 'f' unit: 'Pa' components: 1 description: 'Stress.' } } }",
      Outcome::kChanges},
     {"EvaluatorService/GetEvaluator", "name: 'evaluators/none'", Outcome::kRefused},
     {"EvaluatorService/ListEvaluators", "page_size: 10"},
@@ -160,7 +165,10 @@ inline constexpr Example kExamples[] = {
     {"InterpolatorService/ListMaps", "page_size: 10"},
     {"InterpolatorService/EvaluateMap",
      "name: '{map}' points: [1.3, 1.45] metrics: 'mass' gradients: true"},
-    {"InterpolatorService/OptimizeMap", "name: '{map}' objective: 'mass' starts: 2"},
+    {"InterpolatorService/OptimizeMap",
+     "name: '{map}' objective: 'mass' starts: 2 seed: 1 limits { metric: 'mass' minimum: 0 "
+     "maximum: 1e6 } "
+     "fixed { name: 'length' value: 1.3 }"},
     {"InterpolatorService/VerifyMap", "request_id: 'bad-53' name: '{map}' points: 1.3",
      Outcome::kChanges},
     {"InterpolatorService/UpdateMap",

@@ -36,6 +36,8 @@ const std::set<std::string>& AnyNumber() {
       "mortise.v1.Connection.priority",
       "mortise.v1.DiscoverySpecification.seed",
       "mortise.v1.MapSpecification.seed",
+      "mortise.v1.OptimizeMapRequest.Limit.minimum",
+      "mortise.v1.OptimizeMapRequest.seed",
       "mortise.v1.VerifyMapRequest.seed",
       "mortise.v1.Material.revision",
       "mortise.v1.Material.poissons_ratio",

@@ -56,6 +56,15 @@ void CheckMetrics(const v1::MapSpecification& specification, Faults& faults) {
 }
 
 void CheckParameters(const v1::MapSpecification& specification, Faults& faults) {
+  // No more than there can be parameters: each that is wrong would be told.
+  const auto is_too_long = [&faults](const char* field, int size) {
+    if (size <= kMaxParameters) return false;
+    faults.AddField(field, absl::StrCat("are ", size, ", of at most ", kMaxParameters));
+    return true;
+  };
+  const bool variations = is_too_long("variations", specification.variations_size());
+  const bool fixed = is_too_long("fixed", specification.fixed_size());
+  if (variations || fixed) return;
   std::set<std::string> names;
   for (int i = 0; i < specification.variations_size(); ++i) {
     const auto& variation = specification.variations(i);

@@ -12,7 +12,8 @@ class MapSpecification;
 namespace mortise::interpolator {
 
 inline constexpr int kMaxMetrics = 100;
-inline constexpr int kMaxNumbers = 6;  // parameters that are sampled between their ends
+inline constexpr int kMaxParameters = 200;  // of a subject
+inline constexpr int kMaxNumbers = 6;       // parameters that are sampled between their ends
 inline constexpr int kMaxCubicNumbers = 5;
 inline constexpr int kMinEvaluations = 10;
 inline constexpr int kMaxEvaluations = 1'000'000;
