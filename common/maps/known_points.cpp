@@ -19,6 +19,8 @@ int KnownPoints::Want(const LatticePoint& position, bool probe) {
 void KnownPoints::SetValues(int number, const Eigen::VectorXd& values) {
   std::copy(values.begin(), values.end(),
             values_.begin() + static_cast<std::ptrdiff_t>(number) * outputs_);
+  least_ = least_.cwiseMin(values);
+  most_ = most_.cwiseMax(values);
   states_[number] = State::kGood;
   --waiting_;
 }
@@ -30,14 +32,8 @@ void KnownPoints::SetFailure(int number, const std::string& reason) {
 }
 
 Eigen::VectorXd KnownPoints::Range() const {
-  Eigen::VectorXd least, most;
-  for (int number = 0; number < count(); ++number) {
-    if (states_[number] != State::kGood) continue;
-    const Eigen::VectorXd values = ValuesOf(number);
-    least = least.size() == 0 ? values : least.cwiseMin(values);
-    most = most.size() == 0 ? values : most.cwiseMax(values);
-  }
-  return least.size() == 0 ? Eigen::VectorXd::Zero(outputs_) : Eigen::VectorXd(most - least);
+  const bool is_any = waiting() + failed() < count();
+  return is_any ? Eigen::VectorXd(most_ - least_) : Eigen::VectorXd::Zero(outputs_);
 }
 
 }  // namespace mortise::maps

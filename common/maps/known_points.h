@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -16,7 +17,10 @@ class KnownPoints {
  public:
   enum class State { kWaiting, kGood, kFailed };
 
-  explicit KnownPoints(int outputs) : outputs_(outputs) {}
+  explicit KnownPoints(int outputs)
+      : outputs_(outputs),
+        least_(Eigen::VectorXd::Constant(outputs, std::numeric_limits<double>::infinity())),
+        most_(-least_) {}
 
   int count() const { return static_cast<int>(positions_.size()); }
   int waiting() const { return waiting_; }
@@ -36,7 +40,8 @@ class KnownPoints {
   void SetValues(int number, const Eigen::VectorXd& values);
   void SetFailure(int number, const std::string& reason);
 
-  // For each output the difference between the largest and the smallest value known.
+  // For each output the difference between the largest and the smallest value known; 0 before there
+  // is any. It is kept as values come, as each split asks for it.
   Eigen::VectorXd Range() const;
 
  private:
@@ -46,6 +51,7 @@ class KnownPoints {
   std::vector<std::uint8_t> probe_;
   std::vector<State> states_;
   std::vector<double> values_;
+  Eigen::VectorXd least_, most_;  // of the values known
   std::map<int, std::string> reasons_;
   std::unordered_map<LatticePoint, int, LatticeHash> index_;
 };

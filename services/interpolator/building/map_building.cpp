@@ -197,9 +197,18 @@ absl::Status MapBuilding::Receive(absl::StatusOr<Batch> batch) {
     MORTISE_RETURN_IF_ERROR(options_.keep(answers));
   }
   for (const auto& [asked, answer] : *batch) MORTISE_RETURN_IF_ERROR(Tell(asked, answer));
-  const BuildProgress now = progress();
-  if (options_.progress) options_.progress(now);
-  return options_.judge ? options_.judge(now) : absl::OkStatus();
+  TellProgress();
+  return options_.judge ? options_.judge(Counts()) : absl::OkStatus();
+}
+
+// Errors are looked up in all elements, which takes time where there are many: a tenth of it all at
+// the most.
+void MapBuilding::TellProgress() {
+  const Clock::time_point began = Clock::now();
+  if (!options_.progress || began < next_progress_) return;
+  options_.progress(progress());
+  const Clock::time_point ended = Clock::now();
+  next_progress_ = ended + 9 * (ended - began);
 }
 
 absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
@@ -240,13 +249,18 @@ StopReason MapBuilding::ReasonOf(std::size_t structure) const {
              : StopReason::kBudget;
 }
 
-BuildProgress MapBuilding::progress() const {
+BuildProgress MapBuilding::Counts() const {
   BuildProgress progress;
   progress.evaluations = evaluations_;
   progress.failures = failures_.failures();
   for (const evaluation::FailureCount& failure : progress.failures) {
     progress.failed += failure.count;
   }
+  return progress;
+}
+
+BuildProgress MapBuilding::progress() const {
+  BuildProgress progress = Counts();
   for (const auto& structure : structures_) {
     const maps::MapSamplingProgress now = structure->Progress();
     progress.elements += now.elements;

@@ -68,8 +68,10 @@ struct BuildOptions {
   // Called with the answers of each batch before anything else happens with them. A failure stops
   // the build as if the evaluator were lost.
   std::function<absl::Status(const KnownAnswers&)> keep;
-  std::function<void(const BuildProgress&)> progress;  // after each batch
-  // After each batch: why the whole subject is at fault, which ends the build; OK to go on.
+  // After batches, as often as that takes no more than a tenth of the time.
+  std::function<void(const BuildProgress&)> progress;
+  // After each batch, with how many designs were evaluated and failed, and why: why the whole
+  // subject is at fault, which ends the build; OK to go on.
   std::function<absl::Status(const BuildProgress&)> judge;
   // Called each time that no answer has come for `quiet`, with how long there has been none.
   std::function<void(std::chrono::seconds)> waiting;
@@ -111,6 +113,8 @@ class MapBuilding {
   absl::StatusOr<Batch> Evaluate(const std::vector<Asked>& asked) const;
   absl::Status Receive(absl::StatusOr<Batch> batch);
   absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
+  void TellProgress();
+  BuildProgress Counts() const;  // without errors and elements
   void KeepWhatIsUnderWay();
   absl::Status RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes);
 
@@ -121,6 +125,7 @@ class MapBuilding {
   std::int64_t evaluations_ = 0;
   std::size_t next_ = 0;  // structure to ask
   int under_way_ = 0;     // calls
+  std::chrono::steady_clock::time_point next_progress_{};
   std::deque<std::vector<Asked>>
       waiting_;  // what was asked while answers were told that were known
   bool is_stopped_ = false;

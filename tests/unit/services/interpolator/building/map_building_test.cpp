@@ -119,7 +119,10 @@ TEST(MapBuildingTest, StopsWhenItsTimeIsOver) {
   const MapPlan plan = ExamplePlan(1000);
   BuildOptions options = OptionsOf(2, 2);
   std::atomic<int> batches = 0;
-  options.progress = [&](const BuildProgress&) { ++batches; };
+  options.judge = [&](const BuildProgress&) {
+    ++batches;
+    return absl::OkStatus();
+  };
   options.is_out_of_time = [&] { return batches > 15; };
   const auto building = MapBuilding::Create(plan, options).value();
   ASSERT_TRUE(building->Run({}).ok());
