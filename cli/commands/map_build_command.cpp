@@ -71,7 +71,7 @@ absl::Status AddVariation(const std::string& text, v1::MapSpecification::Variati
   return absl::OkStatus();
 }
 
-// What is kept fixed by the name of a choice, which the contract wants as its number.
+// Returns the number of a choice that is fixed by its name, as the contract wants it.
 absl::StatusOr<double> NumberOfChoice(const v1::DesignSpace& space, const std::string& parameter,
                                       const std::string& choice) {
   const std::string source = absl::StrCat("--fix ", parameter);

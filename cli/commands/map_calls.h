@@ -1,4 +1,4 @@
-// What the commands of `mortise map` have in common.
+// Asks for what the commands of `mortise map` have in common.
 #pragma once
 
 #include <string>

@@ -49,7 +49,7 @@ void Append(const v1::EvaluateMapResponse& part, int before, v1::EvaluateMapResp
   for (const int point : part.uncovered()) whole.add_uncovered(before + point);
 }
 
-// As many calls as the points take.
+// Evaluates all points, in as many calls as they take.
 absl::StatusOr<v1::EvaluateMapResponse> EvaluateAll(const v1::DesignMap& map,
                                                     const EvaluateOptions& options,
                                                     const std::vector<double>& points,

@@ -64,7 +64,7 @@ absl::StatusOr<v1::OptimizeMapRequest> RequestOf(const OptimizeOptions& options,
   return request;
 }
 
-// What the map's evaluator says of the design, by the settings that the map was made with.
+// Has the map's evaluator evaluate the design, by the settings that the map was made with.
 absl::StatusOr<v1::EvaluationResult> Verified(const v1::DesignMap& map,
                                               const v1::OptimizeMapResponse& optimum,
                                               const GatewayClient& client) {

@@ -82,8 +82,8 @@ HouseProcess Worker(const HouseOptions& options, const std::string& service, int
   return worker;
 }
 
-// What only some services are told. Builds of maps wait for workers, and would keep all else that
-// the interpolator does waiting.
+// Adds what only some services are told. Builds of maps wait for workers, and would keep all else
+// that the interpolator does waiting.
 void AddOwnFlags(const std::string& name, const HouseOptions& options, const std::string& catalog,
                  const std::string& simulator, HouseProcess& service) {
   if (name == "catalog") Add(service, {"--collection", options.collection.string()});

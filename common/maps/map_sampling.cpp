@@ -1,5 +1,6 @@
 #include "common/maps/map_sampling.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -55,6 +56,17 @@ absl::Status CheckCheckpoint(const MapSamplingCheckpoint& checkpoint, int output
 }  // namespace
 
 MapSampling::MapSampling(std::unique_ptr<State> state) : state_(std::move(state)) {}
+double RelativeError(const Eigen::VectorXd& errors, const std::vector<double>& noise_floor,
+                     const Eigen::VectorXd& scale) {
+  double largest = 0;
+  for (Eigen::Index o = 0; o < errors.size(); ++o) {
+    const double floor = noise_floor.empty() ? 0 : noise_floor[static_cast<std::size_t>(o)];
+    const double beyond = errors[o] - floor;
+    if (beyond > 0 && scale[o] > 0) largest = std::max(largest, beyond / scale[o]);
+  }
+  return largest;
+}
+
 MapSampling::MapSampling(MapSampling&&) noexcept = default;
 MapSampling& MapSampling::operator=(MapSampling&&) noexcept = default;
 MapSampling::~MapSampling() = default;

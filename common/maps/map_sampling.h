@@ -71,6 +71,11 @@ struct MapErrors {
   int probes = 0;  // how many differences there are
 };
 
+// The largest of the outputs' errors, each less its noise floor (none where the list is empty) and
+// over its scale; outputs of scale 0 have none.
+double RelativeError(const Eigen::VectorXd& errors, const std::vector<double>& noise_floor,
+                     const Eigen::VectorXd& scale);
+
 struct MapSamplingProgress {
   int asked = 0;  // points handed out or to be handed out in this round and before
   int told = 0;

@@ -181,17 +181,6 @@ Eigen::VectorXd MapSampling::State::Scale() const {
   return scale;
 }
 
-double MapSampling::State::RelativeError(const Eigen::VectorXd& errors,
-                                         const Eigen::VectorXd& scale) const {
-  double largest = 0;
-  for (int o = 0; o < outputs_; ++o) {
-    const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
-    const double beyond = errors[o] - floor;
-    if (beyond > 0 && scale[o] > 0) largest = std::max(largest, beyond / scale[o]);
-  }
-  return largest;
-}
-
 std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() const {
   const Eigen::VectorXd scale = Scale();
   std::vector<Candidate> candidates;
@@ -201,7 +190,7 @@ std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() cons
     for (int d = 0; d < tree_.dimension(); ++d) depth += tree_.DepthOf(element, d);
     double error = 0;
     if (!measured.cut_off) {
-      error = RelativeError(measured.errors, scale);
+      error = RelativeError(measured.errors, options_.noise_floor, scale);
       const bool good = error <= options_.tolerance || smooth_enough_;
       if (good && depth >= kLeastDepth) continue;
     } else if (!measured.all_failed &&
@@ -409,8 +398,8 @@ void MapSampling::State::MeasureSmooth() {
   smooth_errors_ = MeasureCubic(content);
   smooth_enough_ = true;
   for (Eigen::Index order = 0; order < content.errors.cols(); ++order) {
-    const bool small =
-        RelativeError(content.errors.col(order), smooth_errors_.range) <= options_.tolerance;
+    const bool small = RelativeError(content.errors.col(order), options_.noise_floor,
+                                     smooth_errors_.range) <= options_.tolerance;
     smooth_enough_ = smooth_enough_ && small;
   }
 }

@@ -58,8 +58,6 @@ class MapSampling::State {
   void MeasureSmooth();
   MapErrors LinearErrors() const;
   std::vector<Candidate> Candidates() const;
-  // The largest part of an output's error beyond its noise floor, over its scale.
-  double RelativeError(const Eigen::VectorXd& errors, const Eigen::VectorXd& scale) const;
   int DirectionFor(int element) const;
   int CostOf(int element, int direction) const;
   bool SplitElement(int element, int direction);

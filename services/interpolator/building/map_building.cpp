@@ -29,17 +29,6 @@ DesignAnswer Checked(DesignAnswer answer, const std::vector<PlannedMetric>& metr
   return answer;
 }
 
-// The largest error of any output, less its noise floor, over its range: 0 where none is known.
-double LargestError(const maps::MapErrors& errors, const std::vector<double>& noise_floor) {
-  double largest = 0;
-  for (Eigen::Index i = 0; i < errors.largest.size(); ++i) {
-    const double noise = noise_floor.empty() ? 0 : noise_floor[static_cast<std::size_t>(i)];
-    const double error = errors.largest[i] - noise;
-    if (error > 0 && errors.range[i] > 0) largest = std::max(largest, error / errors.range[i]);
-  }
-  return largest;
-}
-
 }  // namespace
 
 const char* StopReasonName(StopReason reason) {
@@ -241,12 +230,16 @@ void MapBuilding::KeepWhatIsUnderWay() {
   }
 }
 
+// 0 where nothing is measured yet.
+double MapBuilding::LargestOf(const maps::MapErrors& errors) const {
+  return maps::RelativeError(errors.largest, options_.sampling.noise_floor, errors.range);
+}
+
 StopReason MapBuilding::ReasonOf(std::size_t structure) const {
   if (!structures_[structure]->Done()) return stopped_by_;
   const maps::MapErrors errors = structures_[structure]->Progress().errors;
-  return LargestError(errors, options_.sampling.noise_floor) <= options_.sampling.tolerance
-             ? StopReason::kConverged
-             : StopReason::kBudget;
+  return LargestOf(errors) <= options_.sampling.tolerance ? StopReason::kConverged
+                                                          : StopReason::kBudget;
 }
 
 BuildProgress MapBuilding::Counts() const {
@@ -265,8 +258,7 @@ BuildProgress MapBuilding::progress() const {
     const maps::MapSamplingProgress now = structure->Progress();
     progress.elements += now.elements;
     progress.is_measured = progress.is_measured || now.errors.probes > 0;
-    progress.error =
-        std::max(progress.error, LargestError(now.errors, options_.sampling.noise_floor));
+    progress.error = std::max(progress.error, LargestOf(now.errors));
   }
   return progress;
 }

@@ -114,6 +114,7 @@ class MapBuilding {
   absl::Status Receive(absl::StatusOr<Batch> batch);
   absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
   void TellProgress();
+  double LargestOf(const maps::MapErrors& errors) const;
   BuildProgress Counts() const;  // without errors and elements
   void KeepWhatIsUnderWay();
   absl::Status RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes);

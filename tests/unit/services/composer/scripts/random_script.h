@@ -28,7 +28,7 @@ struct ScriptOutcome {
   std::optional<ComposedBody> body;       // of the model at the end
   std::size_t parts = 0;                  // of it
   int made_connections = 0;               // with connecting parts
-  int left_unheld = 0;  // parts that removing others left in no connection; nothing warns of them
+  int left_unheld = 0;                    // parts that removing others left in no connection
 };
 
 // Runs one, the same for the same options. Held true of the model after each step:
