@@ -12,7 +12,8 @@ namespace mortise::maps {
 namespace {
 
 absl::Status CheckShapes(const MapContent& content, const RefinementTree& tree) {
-  if (content.values.cols() != tree.sample_count() || content.values.rows() < 1) {
+  const bool has_none = content.values.rows() == 0 && content.errors.rows() != 0;
+  if (content.values.cols() != tree.sample_count() || has_none) {
     return InvalidField("values", absl::StrCat("is not of ", tree.sample_count(), " samples"));
   }
   if (!content.values.allFinite())

@@ -18,7 +18,9 @@ struct MapContent {
   Basis basis = Basis::kLinear;
   RefinementOptions options{};
   std::vector<ElementSplit> splits{};  // of RefinementTree::history
-  Eigen::MatrixXd values{};            // outputs × samples; zero where a sample failed
+  // outputs × samples; zero where a sample failed. There may be no outputs: the map then says where
+  // it has a value, and tree() with which weights (PackedWeights) others interpolate.
+  Eigen::MatrixXd values{};
   // For each element, in the order of RefinementTree::Elements:
   Eigen::MatrixXd errors{};             // outputs × elements: the largest difference known there
   std::vector<std::uint8_t> cut_off{};  // 1 where the map has no value

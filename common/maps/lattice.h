@@ -2,6 +2,7 @@
 // lie. Their positions are integers, so that equality and order of positions are exact.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +44,13 @@ inline std::int32_t SpacingOf(int level) { return kBoxEdge >> level; }
 
 // A coordinate of the unit box as a number from 0 to 1.
 inline double ToUnit(std::int32_t coordinate) { return static_cast<double>(coordinate) / kBoxEdge; }
+
+// A position in the unit box.
+inline Eigen::VectorXd UnitPosition(const LatticePoint& point, int dimension) {
+  Eigen::VectorXd position(dimension);
+  for (int d = 0; d < dimension; ++d) position[d] = ToUnit(point[d]);
+  return position;
+}
 
 struct LatticeHash {
   std::size_t operator()(const LatticePoint& point) const {

@@ -24,7 +24,12 @@ absl::Status CheckPerOutput(const std::vector<double>& numbers, int outputs, con
 }
 
 absl::Status CheckOptions(int dimension, int outputs, const MapSamplingOptions& options) {
-  if (outputs < 1) return InvalidField("outputs", "is less than 1");
+  if (outputs < (options.errors_from_outside ? 0 : 1)) {
+    return InvalidField("outputs", "is less than 1");
+  }
+  if (options.errors_from_outside && options.basis != Basis::kLinear) {
+    return InvalidField("options.errors_from_outside", "needs the linear basis");
+  }
   const int least = (1 << dimension) + 2;
   if (options.budget < least) {
     return InvalidField("options.budget",
@@ -91,27 +96,42 @@ absl::StatusOr<MapSampling> MapSampling::Restore(int dimension, int outputs,
   if (!sampling.ok()) return sampling.status();
   if (absl::Status status = CheckCheckpoint(checkpoint, outputs); !status.ok()) return status;
   // Points are numbered in the order in which they become wanted, so that going up the numbers
-  // completes one round after the other.
+  // completes one round after the other. Between rounds come the errors that ended the last one.
   std::map<int, int> order;
   for (std::size_t n = 0; n < checkpoint.numbers.size(); ++n) {
     if (!order.emplace(checkpoint.numbers[n], static_cast<int>(n)).second) {
       return InvalidField(absl::StrCat("checkpoint.numbers[", n, "]"), "is there twice");
     }
   }
-  State& state = *sampling->state_;
-  for (const auto& [number, n] : order) {
-    if (number < 0 || number >= state.points().count()) {
-      return InvalidField(absl::StrCat("checkpoint.numbers[", n, "]"),
-                          "was never asked with these arguments");
+  std::size_t next_error = 0;
+  const auto tell_errors = [&]() -> absl::Status {
+    while (!sampling->AwaitedErrors().empty() && next_error < checkpoint.errors.size()) {
+      const auto& [element, error] = checkpoint.errors[next_error++];
+      MORTISE_RETURN_IF_ERROR(sampling->TellError(element, error));
     }
-    state.MarkAsked(number);
-    const std::string& failure = checkpoint.failures[n];
-    absl::Status told = failure.empty()
-                            ? sampling->Tell(number, checkpoint.values.col(n))
-                            : sampling->TellFailure(number, absl::UnknownError(failure));
-    if (!told.ok()) return told;
+    return absl::OkStatus();
+  };
+  for (const auto& [number, n] : order) {
+    MORTISE_RETURN_IF_ERROR(sampling->RestorePoint(checkpoint, n));
+    MORTISE_RETURN_IF_ERROR(tell_errors());
+  }
+  if (next_error < checkpoint.errors.size()) {
+    return InvalidField(absl::StrCat("checkpoint.errors[", next_error, "]"),
+                        "was never awaited with these arguments");
   }
   return sampling;
+}
+
+absl::Status MapSampling::RestorePoint(const MapSamplingCheckpoint& checkpoint, int n) {
+  const int number = checkpoint.numbers[n];
+  if (number < 0 || number >= state_->points().count()) {
+    return InvalidField(absl::StrCat("checkpoint.numbers[", n, "]"),
+                        "was never asked with these arguments");
+  }
+  state_->MarkAsked(number);
+  const std::string& failure = checkpoint.failures[n];
+  return failure.empty() ? Tell(number, checkpoint.values.col(n))
+                         : TellFailure(number, absl::UnknownError(failure));
 }
 
 std::vector<AskedPoint> MapSampling::Ask(int most) { return state_->Ask(most); }
@@ -138,6 +158,29 @@ absl::Status MapSampling::TellFailure(int number, const absl::Status& reason) {
   return absl::OkStatus();
 }
 
+std::vector<int> MapSampling::AwaitedErrors() const {
+  return {state_->awaited().begin(), state_->awaited().end()};
+}
+
+absl::Status MapSampling::TellError(int element, const OutsideError& error) {
+  if (state_->awaited().empty()) return InvalidField("element", "no error is awaited");
+  if (!tree().IsElement(element) || state_->HasFailedPoint(element)) {
+    return InvalidField("element", absl::StrCat(element, " is none that has an error"));
+  }
+  if (!std::isfinite(error.error) || error.error < 0) {
+    return InvalidField("error.error", "is negative or not finite");
+  }
+  if (error.bending.size() != 0 && error.bending.size() != tree().dimension()) {
+    return InvalidField("error.bending", absl::StrCat("has ", error.bending.size(), " numbers for ",
+                                                      tree().dimension(), " directions"));
+  }
+  if (!error.bending.allFinite() || (error.bending.array() < 0).any()) {
+    return InvalidField("error.bending", "holds numbers that are negative or not finite");
+  }
+  state_->TellError(element, error);
+  return absl::OkStatus();
+}
+
 absl::Status MapSampling::CheckWaiting(int number) const {
   const KnownPoints& points = state_->points();
   if (number < 0 || number >= points.count() || !state_->WasAsked(number)) {
@@ -160,7 +203,9 @@ MapSamplingProgress MapSampling::Progress() const {
   progress.samples = state_->tree().sample_count();
   progress.elements = state_->tree().element_count();
   progress.cut_off = state_->CutOffCount();
+  progress.awaited = static_cast<int>(state_->awaited().size());
   progress.errors = state_->Errors();
+  progress.outside_error = state_->LargestOutsideError();
   return progress;
 }
 
@@ -176,20 +221,33 @@ MapSamplingCheckpoint MapSampling::Checkpoint() const {
     checkpoint.failures.push_back(reason == points.reasons().end() ? "" : reason->second);
     checkpoint.values.col(n) = points.ValuesOf(number);
   }
+  checkpoint.errors = state_->told_errors();
   return checkpoint;
 }
 
 std::vector<std::pair<Eigen::VectorXd, std::string>> MapSampling::Failures() const {
   std::vector<std::pair<Eigen::VectorXd, std::string>> failures;
   for (const auto& [number, reason] : state_->points().reasons()) {
-    Eigen::VectorXd position(state_->tree().dimension());
-    for (int d = 0; d < state_->tree().dimension(); ++d) {
-      position[d] = ToUnit(state_->points().PositionOf(number)[d]);
-    }
-    failures.emplace_back(std::move(position), reason);
+    failures.emplace_back(PositionOf(number), reason);
   }
   return failures;
 }
+
+int MapSampling::PointOfSample(int sample) const { return state_->PointOfSample(sample); }
+
+const std::vector<int>& MapSampling::ProbesOf(int element) const {
+  return state_->ProbesOf(element);
+}
+
+Eigen::VectorXd MapSampling::PositionOf(int number) const {
+  return UnitPosition(state_->points().PositionOf(number), tree().dimension());
+}
+
+bool MapSampling::HasFailed(int number) const {
+  return state_->points().StateOf(number) == KnownPoints::State::kFailed;
+}
+
+bool MapSampling::IsCutOff(int element) const { return state_->IsCutOff(element); }
 
 const RefinementTree& MapSampling::tree() const { return state_->tree(); }
 

@@ -15,6 +15,11 @@
 // Where points fail: an element that has a failed corner, or a failed probe, is cut off. It is
 // split in its longest direction, so that what is cut off becomes small, down to `cut_off_depth`
 // splits along each direction; the rest goes on.
+//
+// Errors told from outside. Who interpolates more than the outputs with the map's weights, such as
+// shapes and fields, measures the errors of that itself: when all points of a round have been told,
+// AwaitedErrors says of which elements, and nothing else is asked until TellError has come for all.
+// The larger of both errors of an element counts, and decides along which direction it is split.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,6 +57,9 @@ struct MapSamplingOptions {
   int round_points = 8;
   // The most splits along each direction of an element that is cut off.
   int cut_off_depth = 3;
+  // Whether errors come by TellError, too. Then there may be no outputs at all. It needs the linear
+  // basis.
+  bool errors_from_outside = false;
 };
 
 // A point to evaluate.
@@ -59,6 +67,19 @@ struct AskedPoint {
   int number = 0;            // for Tell: 0, 1, …
   Eigen::VectorXd position;  // in the unit box
   bool probe = false;        // asked for the error alone; it may become a sample later
+};
+
+// How far what is interpolated beside the outputs is off in an element.
+struct OutsideError {
+  // The largest at the element's probes, over the range of what is interpolated and beyond its
+  // noise floor: comparable with the tolerance.
+  double error = 0;
+  // K: how much of it comes along each direction. Only proportions count; empty: not known.
+  Eigen::VectorXd bending{};
+  // Whether the element's samples cannot be interpolated at all, as shapes of different topology
+  // cannot. It is cut off then, and split along the directions that `bending` names alone, its
+  // longest first where there is none.
+  bool failed = false;
 };
 
 // Differences between map and truth at all present probes, for each output in its own unit. No
@@ -83,7 +104,9 @@ struct MapSamplingProgress {
   int samples = 0;
   int elements = 0;
   int cut_off = 0;  // elements
+  int awaited = 0;  // elements whose error is to be told from outside
   MapErrors errors;
+  double outside_error = 0;  // the largest of the elements that are not cut off
 };
 
 // Everything that was told. With the same dimension, outputs and options it says all: restoring
@@ -92,11 +115,14 @@ struct MapSamplingCheckpoint {
   std::vector<int> numbers;           // of the points told
   std::vector<std::string> failures;  // for each, why it failed; empty where it did not
   Eigen::MatrixXd values;             // outputs × told; zero where it failed
+  // What TellError was told, in that order, by element.
+  std::vector<std::pair<int, OutsideError>> errors;
 };
 
 class MapSampling {
  public:
   // INVALID_ARGUMENT, field `dimension`, `outputs` or `options.…`.
+  // `outputs` may be 0 where errors come from outside.
   static absl::StatusOr<MapSampling> Create(int dimension, int outputs,
                                             const MapSamplingOptions& options);
   // Goes on where the checkpoint of another of the same arguments was taken. Points that were asked
@@ -118,6 +144,16 @@ class MapSampling {
   // Why a point could not be evaluated; `reason` is not OK.
   absl::Status TellFailure(int number, const absl::Status& reason);
 
+  // The elements whose error is wanted from outside, ascending: those that are new and those that
+  // interpolate other samples than before, or with other weights at their probes. Empty while
+  // points are waited for, and without `errors_from_outside`.
+  std::vector<int> AwaitedErrors() const;
+  // The error of an element. While any is awaited, elements that are not may be told anew, because
+  // what their error is relative to has changed: the last awaited one ends the round.
+  // INVALID_ARGUMENT, field `element`, no element that is not cut off for failed points, or none is
+  // awaited; `error.…`, negative, not finite or of another dimension.
+  absl::Status TellError(int element, const OutsideError& error);
+
   // Whether budget or tolerance is reached and nothing is waited for.
   bool Done() const;
   MapSamplingProgress Progress() const;
@@ -125,18 +161,30 @@ class MapSampling {
   // The failures, by number of the point: where and why.
   std::vector<std::pair<Eigen::VectorXd, std::string>> Failures() const;
 
+  // The number of the point that a sample of tree() is.
+  int PointOfSample(int sample) const;
+  // The points that an element's error is measured at: they lie in it and are no samples.
+  const std::vector<int>& ProbesOf(int element) const;
+  // Where a point is, in the unit box.
+  Eigen::VectorXd PositionOf(int number) const;
+  // Whether a point has been told as a failure.
+  bool HasFailed(int number) const;
+  // Whether an element of tree() has a point that failed, or was told to have failed as a whole.
+  bool IsCutOff(int element) const;
+
   // Elements and samples of the present round, with the linear basis: its errors choose where to
   // split for a cubic map, too, whose own errors are measured whenever half as many points again
   // are known.
   const RefinementTree& tree() const;
-  // The map as it is after the last complete round. FAILED_PRECONDITION, reason MAP_NOT_SAMPLED,
-  // before the first.
+  // The map as it is after the last complete round: all its points and errors have been told.
+  // FAILED_PRECONDITION, reason MAP_NOT_SAMPLED, before the first.
   absl::StatusOr<MapContent> Content() const;
 
  private:
   class State;
   explicit MapSampling(std::unique_ptr<State> state);
   absl::Status CheckWaiting(int number) const;
+  absl::Status RestorePoint(const MapSamplingCheckpoint& checkpoint, int n);
   std::unique_ptr<State> state_;
 };
 

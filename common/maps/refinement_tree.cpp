@@ -144,9 +144,7 @@ std::vector<int> RefinementTree::Neighbours(int element) const {
 }
 
 Eigen::VectorXd RefinementTree::SamplePosition(int sample) const {
-  Eigen::VectorXd position(dimension());
-  for (int d = 0; d < dimension(); ++d) position[d] = ToUnit(SampleLattice(sample)[d]);
-  return position;
+  return UnitPosition(SampleLattice(sample), dimension());
 }
 
 std::vector<int> RefinementTree::SampleElements(int sample) const {

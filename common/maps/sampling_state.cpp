@@ -33,10 +33,8 @@ bool InOpenBox(const LatticeBox& box, const LatticePoint& point, int dimension) 
   return true;
 }
 
-Eigen::VectorXd UnitPosition(const LatticePoint& point, int dimension) {
-  Eigen::VectorXd position(dimension);
-  for (int d = 0; d < dimension; ++d) position[d] = ToUnit(point[d]);
-  return position;
+bool IsSame(const PointWeights& a, const PointWeights& b) {
+  return a.samples == b.samples && a.weights == b.weights;
 }
 
 LatticePoint CentreOf(const LatticeBox& box, int dimension) {
@@ -116,13 +114,15 @@ std::vector<AskedPoint> MapSampling::State::Ask(int most) {
 
 void MapSampling::State::GoOn() {
   while (!done_ && points_.waiting() == 0) {
-    FinishRound();
+    if (!is_measured_) MeasureRound();
+    if (!awaited_.empty()) return;
+    CompleteRound();
     done_ = !StartRound();
   }
   if (done_ && options_.basis == Basis::kCubic) MeasureSmooth();
 }
 
-void MapSampling::State::FinishRound() {
+void MapSampling::State::MeasureRound() {
   std::set<int> affected(changed_.begin(), changed_.end());
   for (const int element : changed_) {
     const std::vector<int> near = tree_.Neighbours(element);
@@ -131,23 +131,29 @@ void MapSampling::State::FinishRound() {
   for (const int element : affected) {
     if (tree_.IsElement(element)) Measure(element);
   }
+  is_measured_ = true;
+}
+
+void MapSampling::State::CompleteRound() {
   changed_.clear();
+  stated_.clear();
+  is_measured_ = false;
   ++rounds_;
   complete_splits_ = tree_.history().size();
 }
 
 void MapSampling::State::Measure(int element) {
   using PointState = KnownPoints::State;
+  KeepStated(element);
   Measured& measured = measured_[element];
-  const std::vector<int>& samples = tree_.ElementSamples(element);
   bool some_good = false;
-  measured.cut_off = false;
+  measured.has_failed = false;
   const auto look_at = [&](int number) {
     const bool failed = points_.StateOf(number) == PointState::kFailed;
-    measured.cut_off = measured.cut_off || failed;
+    measured.has_failed = measured.has_failed || failed;
     some_good = some_good || !failed;
   };
-  for (const int sample : samples) look_at(sample_points_[sample]);
+  for (const int sample : tree_.ElementSamples(element)) look_at(sample_points_[sample]);
   auto& probes = measured.probes;
   probes.erase(std::remove_if(probes.begin(), probes.end(),
                               [&](int number) {
@@ -156,21 +162,65 @@ void MapSampling::State::Measure(int element) {
                probes.end());
   for (const int number : probes) look_at(number);
   measured.all_failed = !some_good;
-  measured.differences.resize(outputs_, 0);
+  std::vector<PointWeights> weights;
+  for (std::size_t n = 0; n < probes.size() && !measured.has_failed; ++n) {
+    weights.push_back(
+        tree_.Weights(UnitPosition(points_.PositionOf(probes[n]), tree_.dimension())));
+    weights.back().gradients.resize(0, 0);
+  }
+  MeasureOutputs(measured, weights);
+  if (options_.errors_from_outside) AwaitError(element, std::move(weights));
+}
+
+void MapSampling::State::MeasureOutputs(Measured& measured,
+                                        const std::vector<PointWeights>& weights) {
+  measured.differences.resize(outputs_, static_cast<Eigen::Index>(weights.size()));
   measured.errors = Eigen::VectorXd::Zero(outputs_);
-  if (measured.cut_off) return;
-  measured.differences.resize(outputs_, static_cast<Eigen::Index>(probes.size()));
-  for (std::size_t n = 0; n < probes.size(); ++n) {
-    const PointWeights weights =
-        tree_.Weights(UnitPosition(points_.PositionOf(probes[n]), tree_.dimension()));
-    Eigen::VectorXd difference = -points_.ValuesOf(probes[n]);
-    for (std::size_t k = 0; k < weights.samples.size(); ++k) {
-      difference += weights.weights[static_cast<Eigen::Index>(k)] *
-                    points_.ValuesOf(sample_points_[weights.samples[k]]);
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    Eigen::VectorXd difference = -points_.ValuesOf(measured.probes[n]);
+    for (std::size_t k = 0; k < weights[n].samples.size(); ++k) {
+      difference += weights[n].weights[static_cast<Eigen::Index>(k)] *
+                    points_.ValuesOf(sample_points_[weights[n].samples[k]]);
     }
     measured.differences.col(static_cast<Eigen::Index>(n)) = difference.cwiseAbs();
+    measured.errors = measured.errors.cwiseMax(difference.cwiseAbs());
   }
-  measured.errors = measured.differences.rowwise().maxCoeff();
+}
+
+// Awaits the error of an element unless it interpolates what it did when it was told last.
+void MapSampling::State::AwaitError(int element, std::vector<PointWeights> weights) {
+  Measured& measured = measured_[element];
+  const std::size_t samples = tree_.ElementSamples(element).size();
+  const bool same = measured.samples == samples && measured.weights.size() == weights.size() &&
+                    std::equal(weights.begin(), weights.end(), measured.weights.begin(), IsSame);
+  measured.weights = std::move(weights);
+  measured.samples = samples;
+  if (measured.has_failed) {
+    measured.outside = {};
+  } else if (!same) {
+    awaited_.insert(element);
+  }
+}
+
+void MapSampling::State::TellError(int element, const OutsideError& error) {
+  KeepStated(element);
+  measured_[element].outside = error;
+  awaited_.erase(element);
+  told_errors_.emplace_back(element, error);
+  if (awaited_.empty()) GoOn();
+}
+
+// Errors come one by one while the map is still that of the last complete round.
+void MapSampling::State::KeepStated(int element) {
+  if (!options_.errors_from_outside || rounds_ == 0) return;
+  if (element > 2 * static_cast<int>(complete_splits_)) return;  // it has come with this round
+  stated_.try_emplace(element, Stated{measured_[element].errors, measured_[element].cut_off()});
+}
+
+MapSampling::State::Stated MapSampling::State::StatedOf(int element) const {
+  const auto kept = stated_.find(element);
+  if (kept != stated_.end()) return kept->second;
+  return {measured_[element].errors, measured_[element].cut_off()};
 }
 
 Eigen::VectorXd MapSampling::State::Scale() const {
@@ -181,6 +231,11 @@ Eigen::VectorXd MapSampling::State::Scale() const {
   return scale;
 }
 
+double MapSampling::State::ErrorOfOutputs(const Measured& measured,
+                                          const Eigen::VectorXd& scale) const {
+  return RelativeError(measured.errors, options_.noise_floor, scale);
+}
+
 std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() const {
   const Eigen::VectorXd scale = Scale();
   std::vector<Candidate> candidates;
@@ -189,8 +244,8 @@ std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() cons
     int depth = 0;
     for (int d = 0; d < tree_.dimension(); ++d) depth += tree_.DepthOf(element, d);
     double error = 0;
-    if (!measured.cut_off) {
-      error = RelativeError(measured.errors, options_.noise_floor, scale);
+    if (!measured.cut_off()) {
+      error = std::max(ErrorOfOutputs(measured, scale), measured.outside.error);
       const bool good = error <= options_.tolerance || smooth_enough_;
       if (good && depth >= kLeastDepth) continue;
     } else if (!measured.all_failed &&
@@ -240,22 +295,37 @@ std::vector<int> MapSampling::State::PointsAround(int element) const {
   return good;
 }
 
-int MapSampling::State::DirectionFor(int element) const {
+// How much speaks for a split along each direction; zeros where nothing is known.
+Eigen::VectorXd MapSampling::State::DirectionScores(int element) const {
   const int dimension = tree_.dimension();
-  Eigen::VectorXd score = Eigen::VectorXd::Zero(dimension);
-  if (!measured_[element].cut_off) {
-    const Eigen::VectorXd scale = Scale();
-    const Eigen::MatrixXd bending = BendingOver(tree_.LatticeBoxOf(element), dimension, outputs_,
-                                                points_, PointsAround(element));
-    for (int o = 0; o < outputs_; ++o) {
-      const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
-      if (scale[o] <= 0 || measured_[element].errors[o] <= floor) continue;
-      score = score.cwiseMax(bending.col(o) / scale[o]);
-    }
+  const Measured& measured = measured_[element];
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(dimension);
+  if (measured.has_failed) return none;
+  const Eigen::VectorXd scale = Scale();
+  if (options_.errors_from_outside &&
+      (measured.outside.failed || measured.outside.error >= ErrorOfOutputs(measured, scale))) {
+    return measured.outside.bending.size() == 0 ? none : measured.outside.bending;
   }
+  Eigen::VectorXd score = none;
+  const Eigen::MatrixXd bending =
+      BendingOver(tree_.LatticeBoxOf(element), dimension, outputs_, points_, PointsAround(element));
+  for (int o = 0; o < outputs_; ++o) {
+    const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
+    if (scale[o] <= 0 || measured.errors[o] <= floor) continue;
+    score = score.cwiseMax(bending.col(o) / scale[o]);
+  }
+  return score;
+}
+
+int MapSampling::State::DirectionFor(int element) const {
+  const Eigen::VectorXd score = DirectionScores(element);
+  const bool cut_off = measured_[element].cut_off();
+  const bool only_named = cut_off && (score.array() > 0).any();
   int best = -1;
-  for (int d = 0; d < dimension; ++d) {
+  for (int d = 0; d < tree_.dimension(); ++d) {
     if (!tree_.CanSplit(element, d)) continue;
+    if (cut_off && tree_.DepthOf(element, d) >= options_.cut_off_depth) continue;
+    if (only_named && score[d] == 0) continue;
     const bool longer = best >= 0 && tree_.DepthOf(element, d) < tree_.DepthOf(element, best);
     if (best < 0 || score[d] > score[best] || (score[d] == score[best] && longer)) best = d;
   }
@@ -297,7 +367,7 @@ bool MapSampling::State::SplitElement(int element, int direction) {
     PlaceProbes(child);
     changed_.push_back(child);
   }
-  if (measured_[element].cut_off) cut_off_asked_ += points_.count() - before;
+  if (measured_[element].cut_off()) cut_off_asked_ += points_.count() - before;
   return true;
 }
 
@@ -313,7 +383,7 @@ MapErrors MapSampling::State::LinearErrors() const {
   for (std::size_t node = 0; node < measured_.size(); ++node) {
     if (!tree_.IsElement(static_cast<int>(node))) continue;
     const Measured& measured = measured_[node];
-    for (Eigen::Index n = 0; n < measured.differences.cols(); ++n) {
+    for (Eigen::Index n = 0; n < measured.differences.cols() && !measured.cut_off(); ++n) {
       if (!counted.insert(measured.probes[n]).second) continue;
       errors.largest = errors.largest.cwiseMax(measured.differences.col(n));
       errors.mean += measured.differences.col(n);
@@ -324,9 +394,18 @@ MapErrors MapSampling::State::LinearErrors() const {
   return errors;
 }
 
+double MapSampling::State::LargestOutsideError() const {
+  double largest = 0;
+  for (const int element : tree_.Elements()) {
+    const Measured& measured = measured_[element];
+    if (!measured.cut_off()) largest = std::max(largest, measured.outside.error);
+  }
+  return largest;
+}
+
 int MapSampling::State::CutOffCount() const {
   int count = 0;
-  for (const int element : tree_.Elements()) count += measured_[element].cut_off ? 1 : 0;
+  for (const int element : tree_.Elements()) count += measured_[element].cut_off() ? 1 : 0;
   return count;
 }
 
@@ -356,8 +435,9 @@ MapContent MapSampling::State::LinearContent() const {
   content.errors = Eigen::MatrixXd::Zero(outputs_, complete.element_count());
   for (const int element : complete.Elements()) {
     const auto order = static_cast<Eigen::Index>(content.cut_off.size());
-    content.errors.col(order) = measured_[element].errors;
-    content.cut_off.push_back(measured_[element].cut_off ? 1 : 0);
+    const Stated stated = StatedOf(element);
+    content.errors.col(order) = stated.errors;
+    content.cut_off.push_back(stated.cut_off ? 1 : 0);
   }
   return content;
 }
@@ -373,7 +453,7 @@ MapErrors MapSampling::State::MeasureCubic(MapContent& content) const {
   Eigen::Index order = 0;
   for (const int element : map.tree().Elements()) {
     const Measured& measured = measured_[element];
-    for (std::size_t n = 0; n < measured.probes.size() && !measured.cut_off; ++n) {
+    for (std::size_t n = 0; n < measured.probes.size() && !measured.cut_off(); ++n) {
       const int number = measured.probes[n];
       const Eigen::VectorXd position = UnitPosition(points_.PositionOf(number), tree_.dimension());
       if (map.tree().elements().FindSample(points_.PositionOf(number)) >= 0) continue;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -27,7 +29,19 @@ class MapSampling::State {
   // To be called after each answer: begins the next rounds if this one is complete.
   void GoOn();
 
+  // Elements whose error from outside the round waits for.
+  const std::set<int>& awaited() const { return awaited_; }
+  const std::vector<std::pair<int, OutsideError>>& told_errors() const { return told_errors_; }
+  // To be called for elements of which no point has failed, while any is awaited.
+  void TellError(int element, const OutsideError& error);
+
+  int PointOfSample(int sample) const { return sample_points_[sample]; }
+  const std::vector<int>& ProbesOf(int element) const { return measured_[element].probes; }
+  bool HasFailedPoint(int element) const { return measured_[element].has_failed; }
+  bool IsCutOff(int element) const { return measured_[element].cut_off(); }
+
   MapErrors Errors() const;
+  double LargestOutsideError() const;
   int CutOffCount() const;
   bool HasContent() const { return rounds_ > 0; }
   MapContent Content() const;
@@ -38,8 +52,19 @@ class MapSampling::State {
     std::vector<int> probes;      // known points in the closed box that are no samples
     Eigen::MatrixXd differences;  // outputs × probes, of those that did not fail
     Eigen::VectorXd errors;       // the largest of each output
-    bool cut_off = false;
+    bool has_failed = false;      // a point of it
     bool all_failed = false;
+    // What was interpolated at its probes when its error from outside was last awaited.
+    std::vector<PointWeights> weights;
+    std::size_t samples = 0;  // how many it had then
+    OutsideError outside;
+
+    bool cut_off() const { return has_failed || outside.failed; }
+  };
+  // What of an element a map states.
+  struct Stated {
+    Eigen::VectorXd errors;
+    bool cut_off = false;
   };
   struct Candidate {
     double priority = 0;
@@ -50,8 +75,15 @@ class MapSampling::State {
   void PlaceProbes(int element);
   std::vector<LatticePoint> MissingProbes(const LatticeBox& box, const std::vector<int>& own) const;
   void WantSamples(const std::vector<int>& samples);
-  void FinishRound();
+  void MeasureRound();
+  void CompleteRound();
   void Measure(int element);
+  void MeasureOutputs(Measured& measured, const std::vector<PointWeights>& weights);
+  void AwaitError(int element, std::vector<PointWeights> weights);
+  void KeepStated(int element);
+  Stated StatedOf(int element) const;
+  double ErrorOfOutputs(const Measured& measured, const Eigen::VectorXd& scale) const;
+  Eigen::VectorXd DirectionScores(int element) const;
   bool StartRound();
   MapContent LinearContent() const;
   MapErrors MeasureCubic(MapContent& content) const;
@@ -73,7 +105,11 @@ class MapSampling::State {
   std::vector<int> sample_points_;  // the point of each sample
   std::vector<Measured> measured_;  // for each node
   std::vector<int> changed_;        // elements that this round makes
-  int cut_off_asked_ = 0;           // points that splits of what is cut off have cost
+  bool is_measured_ = false;        // whether this round has no more than errors to wait for
+  std::set<int> awaited_;           // elements
+  std::vector<std::pair<int, OutsideError>> told_errors_;
+  std::map<int, Stated> stated_;  // of the last complete round, of what this one has changed
+  int cut_off_asked_ = 0;         // points that splits of what is cut off have cost
   int rounds_ = 0;
   std::size_t complete_splits_ = 0;  // of the history, when the last round was complete
   // Of a cubic map, which is measured whenever half as many points again are known: it takes all of
