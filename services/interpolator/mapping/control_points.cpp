@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -48,7 +49,8 @@ double LengthOf(const Eigen::Matrix3Xd& way) {
 
 class Placement {
  public:
-  explicit Placement(mesh::HalfedgeMesh mesh) : mesh_(std::move(mesh)) {
+  explicit Placement(mesh::HalfedgeMesh mesh) : mesh_(std::move(mesh)), origin_(mesh_.n_faces()) {
+    std::iota(origin_.begin(), origin_.end(), 0);
     Eigen::AlignedBox3d box;
     for (const VertexHandle vertex : mesh_.vertices()) box.extend(mesh_.point(vertex));
     farthest_ = kFarthest * box.diagonal().norm();
@@ -73,10 +75,7 @@ class Placement {
     VertexHandle place;
     if (share < kAtVertex) place = from;
     if (share > 1 - kAtVertex) place = to;
-    if (!place.is_valid()) {
-      place = mesh_.add_vertex((1 - share) * mesh_.point(from) + share * mesh_.point(to));
-      mesh_.split(edge, place);
-    }
+    if (!place.is_valid()) place = Split(edge, share);
     return taken_.insert(place.idx()).second ? place.idx() : -1;
   }
 
@@ -109,8 +108,30 @@ class Placement {
   }
 
   mesh::SurfaceMesh Surface() const { return mesh::ToSurfaceMesh(mesh_); }
+  const std::vector<int>& origin() const { return origin_; }
 
  private:
+  VertexHandle Split(EdgeHandle edge, double share) {
+    const auto [from, to] = EndsOf(edge);
+    const HalfedgeHandle along = mesh_.halfedge_handle(edge, 0);
+    const int left = OriginOf(along), right = OriginOf(mesh_.opposite_halfedge_handle(along));
+    const VertexHandle vertex =
+        mesh_.add_vertex((1 - share) * mesh_.point(from) + share * mesh_.point(to));
+    mesh_.split(edge, vertex);
+    origin_.resize(mesh_.n_faces());
+    for (const HalfedgeHandle half :
+         {mesh_.find_halfedge(from, vertex), mesh_.find_halfedge(vertex, to)}) {
+      OriginOf(half) = left;
+      OriginOf(mesh_.opposite_halfedge_handle(half)) = right;
+    }
+    return vertex;
+  }
+
+  // Of the face on the left of a half-edge.
+  int& OriginOf(HalfedgeHandle halfedge) {
+    return origin_[static_cast<std::size_t>(mesh_.face_handle(halfedge).idx())];
+  }
+
   std::pair<VertexHandle, VertexHandle> EndsOf(EdgeHandle edge) const {
     const HalfedgeHandle along = mesh_.halfedge_handle(edge, 0);
     return {mesh_.from_vertex_handle(along), mesh_.to_vertex_handle(along)};
@@ -138,9 +159,10 @@ class Placement {
   }
 
   mesh::HalfedgeMesh mesh_;
-  double farthest_ = 0;  // m
-  std::set<int> taken_;  // vertices of points and paths
-  std::set<int> edges_;  // of paths
+  std::vector<int> origin_;  // of each face: the triangle given that it is a piece of
+  double farthest_ = 0;      // m
+  std::set<int> taken_;      // vertices of points and paths
+  std::set<int> edges_;      // of paths
 };
 
 absl::Status Check(const mesh::ControlVariables& variables) {
@@ -184,6 +206,7 @@ absl::StatusOr<MarkedSurface> PlaceControlVariables(const mesh::SurfaceMesh& sur
     if (!way.empty()) marked.paths.push_back({path.edge, std::move(way)});
   }
   marked.surface = placement.Surface();
+  marked.origin = placement.origin();
   return marked;
 }
 

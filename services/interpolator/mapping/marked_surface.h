@@ -29,6 +29,9 @@ struct MarkedSurface {
   mesh::SurfaceMesh surface;
   std::vector<ControlPoint> points;
   std::vector<ControlPath> paths;
+  // Of each triangle: which of the surface that the points were placed on it is a piece of. Empty
+  // where nothing is known of one.
+  std::vector<int> origin = {};
 };
 
 // Fails with INVALID_ARGUMENT below `field` ("source") unless the surface is closed and oriented,

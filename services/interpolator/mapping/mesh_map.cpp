@@ -6,31 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/mesh/element_faces.h"
-#include "services/interpolator/mapping/control_points.h"
+#include "services/interpolator/mapping/mesh_mapper.h"
 
 namespace mortise::interpolator {
-namespace {
-
-// Maps the mesh whose outer surface is `outer`; `target` is this surface, or a finer one of which
-// its vertices are the first.
-absl::StatusOr<MeshMap> MapBetween(const MarkedSurface& source, const MarkedSurface& target,
-                                   OuterSurface outer, const mesh::TetrahedralMesh& mesh,
-                                   const LayoutOptions& layout, const VolumeMapOptions& volume) {
-  MeshMap map;
-  map.outer = std::move(outer);
-  MORTISE_ASSIGN_OR_RETURN(map.surface, MapSurface(source, target, layout));
-  const auto count = static_cast<Eigen::Index>(map.outer.node.size());
-  map.surface.positions.conservativeResize(Eigen::NoChange, count);
-  map.surface.places.resize(map.outer.node.size());
-  auto interior = MapVolume(mesh, map.outer.node, map.surface.positions, volume);
-  if (!interior.ok()) return UnderField("target", interior.status());
-  map.volume = *std::move(interior);
-  map.nodes = map.volume.nodes;
-  return map;
-}
-
-}  // namespace
-
 absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std::string& field) {
   OuterSurface outer;
   std::unordered_map<int, int> vertex_of;
@@ -74,24 +52,38 @@ absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std:
   return outer;
 }
 
+std::vector<NodePlace> PlacesInNodes(const OuterSurface& outer,
+                                     const std::vector<TrianglePlace>& places) {
+  std::vector<NodePlace> in_nodes(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].triangle < 0) continue;
+    const Eigen::Vector3i corners = outer.marked.surface.triangles.col(places[i].triangle);
+    for (int k = 0; k < 3; ++k) {
+      in_nodes[i].nodes[k] = outer.node[static_cast<std::size_t>(corners[k])];
+    }
+    in_nodes[i].shares = places[i].barycentric;
+  }
+  return in_nodes;
+}
+
 absl::StatusOr<MeshMap> MapMesh(const MarkedMesh& source, const MarkedMesh& target,
                                 const LayoutOptions& layout, const VolumeMapOptions& volume) {
   MORTISE_ASSIGN_OR_RETURN(const OuterSurface of_source, OuterSurfaceOf(source, "source"));
-  MORTISE_ASSIGN_OR_RETURN(OuterSurface of_target, OuterSurfaceOf(target, "target"));
-  const MarkedSurface marked = of_target.marked;
-  return MapBetween(of_source.marked, marked, std::move(of_target), target.mesh, layout, volume);
+  MeshMap map;
+  MORTISE_ASSIGN_OR_RETURN(map.outer, OuterSurfaceOf(target, "target"));
+  MORTISE_ASSIGN_OR_RETURN(map.surface, MapSurface(of_source.marked, map.outer.marked, layout));
+  map.places = PlacesInNodes(of_source, map.surface.places);
+  auto interior = MapVolume(target.mesh, map.outer.node, map.surface.positions, volume);
+  if (!interior.ok()) return UnderField("target", interior.status());
+  map.volume = *std::move(interior);
+  map.nodes = map.volume.nodes;
+  return map;
 }
 
 absl::StatusOr<MeshMap> MapMesh(const ModelMesh& source, const ModelMesh& target,
                                 const LayoutOptions& layout, const VolumeMapOptions& volume) {
-  MORTISE_ASSIGN_OR_RETURN(const OuterSurface of_source,
-                           OuterSurfaceOf({source.mesh, {}, {}}, "source"));
-  MORTISE_ASSIGN_OR_RETURN(OuterSurface of_target, OuterSurfaceOf({target.mesh, {}, {}}, "target"));
-  const auto ours = PlaceControlVariables(of_source.marked.surface, source.variables);
-  if (!ours.ok()) return UnderField("source", ours.status());
-  const auto theirs = PlaceControlVariables(of_target.marked.surface, target.variables);
-  if (!theirs.ok()) return UnderField("target", theirs.status());
-  return MapBetween(*ours, *theirs, std::move(of_target), target.mesh, layout, volume);
+  MORTISE_ASSIGN_OR_RETURN(const auto mapper, MeshMapper::Create(target, {layout, volume}));
+  return mapper->Map(source);
 }
 
 }  // namespace mortise::interpolator

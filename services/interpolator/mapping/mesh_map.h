@@ -31,11 +31,23 @@ struct OuterSurface {
 // not on it.
 absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std::string& field);
 
+// A place in a triangle between three nodes, or vertices, of the source.
+struct NodePlace {
+  Eigen::Vector3i nodes = Eigen::Vector3i::Constant(-1);
+  Eigen::Vector3d shares = Eigen::Vector3d::Zero();  // barycentric: not negative, of sum 1
+};
+
+// Returns places in triangles of an outer surface as places between its nodes; those of no triangle
+// stay without.
+std::vector<NodePlace> PlacesInNodes(const OuterSurface& outer,
+                                     const std::vector<TrianglePlace>& places);
+
 struct MeshMap {
-  Eigen::Matrix3Xd nodes;  // 3 × target's nodes, m: of the source's shape
-  OuterSurface outer;      // of the target
-  SurfaceMap surface;      // where its vertices are on the source's outer surface
-  VolumeMap volume;        // how the interior followed, and which elements it could not keep
+  Eigen::Matrix3Xd nodes;         // 3 × target's nodes, m: of the source's shape
+  OuterSurface outer;             // of the target
+  SurfaceMap surface;             // where its vertices are on the source's outer surface
+  std::vector<NodePlace> places;  // of its vertices, in nodes of the source
+  VolumeMap volume;               // how the interior followed, and which elements it could not keep
 };
 
 // Maps every node of the target. Fails as MapSurface and MapVolume do, with fields below "source"
@@ -51,8 +63,8 @@ struct ModelMesh {
 };
 
 // Does the same for two models, whose control variables are found on their surfaces
-// (control_points.h). Places are in triangles of the source's surface with these: those of
-// PlaceControlVariables of its outer surface.
+// (control_points.h). Places are in triangles of the source's outer surface, as it is without
+// them. For more than one source of a target there is MeshMapper.
 absl::StatusOr<MeshMap> MapMesh(const ModelMesh& source, const ModelMesh& target,
                                 const LayoutOptions& layout = {},
                                 const VolumeMapOptions& volume = {});

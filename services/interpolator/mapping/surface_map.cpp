@@ -1,9 +1,9 @@
 #include "services/interpolator/mapping/surface_map.h"
 
-#include <Eigen/Dense>
 #include <utility>
 
 #include "common/base/errors.h"
+#include "services/interpolator/mapping/barycentric.h"
 #include "services/interpolator/mapping/patch_region.h"
 
 namespace mortise::interpolator {
@@ -18,17 +18,6 @@ DiskPatch Disk(const LaidSurface& laid, const LaidSurface::Patch& patch) {
   disk.triangles = patch.disk;
   disk.boundary = patch.boundary;
   return disk;
-}
-
-// Returns the barycentric coordinates of a point in the plane of a triangle.
-Eigen::Vector3d BarycentricOf(const Eigen::Vector3d& point, const Eigen::Vector3d& a,
-                              const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const Eigen::Vector3d normal = (b - a).cross(c - a);
-  const double square = normal.squaredNorm();
-  const double of_b = (point - a).cross(c - a).dot(normal) / square;
-  const double of_c = (b - a).cross(point - a).dot(normal) / square;
-  const Eigen::Vector3d inside = Eigen::Vector3d(1 - of_b - of_c, of_b, of_c).cwiseMax(0.0);
-  return inside / inside.sum();
 }
 
 class SurfaceMapper {
@@ -67,9 +56,9 @@ class SurfaceMapper {
     }
     const int origin = layout_.source.origin[static_cast<std::size_t>(triangle)];
     const Eigen::Vector3i corners = given_.triangles.col(origin);
-    const Eigen::Vector3d in_given =
-        BarycentricOf(position, given_.vertices.col(corners[0]), given_.vertices.col(corners[1]),
-                      given_.vertices.col(corners[2]));
+    Eigen::Matrix3d at;
+    for (int k = 0; k < 3; ++k) at.col(k) = given_.vertices.col(corners[k]);
+    const Eigen::Vector3d in_given = BarycentricIn(at, position);
     map_.positions.col(target_vertex) = position;
     map_.places[static_cast<std::size_t>(target_vertex)] = {origin, in_given};
   }

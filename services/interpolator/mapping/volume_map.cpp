@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -23,6 +23,7 @@ namespace {
 constexpr double kFlat = 1e-9;      // of the cube of an element's longest edge
 constexpr int kStiffestClass = 20;  // elements are up to 2²⁰ times as stiff as the largest
 constexpr double kTolerance = 1e-8;
+constexpr int kLoads = 30;  // that a solver made ready is made for
 
 double VolumeOf(const Eigen::Matrix3Xd& nodes, const Eigen::Vector4i& element) {
   const Eigen::Vector3d a = nodes.col(element[0]);
@@ -38,102 +39,73 @@ double LongestEdge(const Eigen::Matrix3Xd& nodes, const Eigen::Vector4i& element
   return longest;
 }
 
-// How an attempt to displace the body is made.
-struct Attempt {
-  bool is_stiffened = false;  // small elements are stiffer
-  int steps = 1;
-};
-constexpr Attempt kAttempts[] = {{false, 1}, {true, 1}, {true, 4}, {true, 16}};
-
-// The corners of a mesh, whose parts are classes of stiffness, and the displaced surface.
+// A body between corners that answers displacements of its surface with those of its interior.
 class ElasticBody {
  public:
-  ElasticBody(mesh::TetrahedralMesh corners, Eigen::Array3Xi is_fixed, Eigen::Matrix3Xd goal,
-              const VolumeMapOptions& options)
-      : mesh_(std::move(corners)), is_fixed_(std::move(is_fixed)), goal_(std::move(goal)) {
-    solver_options_.memory_limit = options.memory_limit;
-    solver_options_.threads = options.threads;
-    solver_options_.tolerance = kTolerance;
-    start_ = mesh_.nodes;
+  // `mesh`: 4-node elements; a stiffened one has small elements stiffer.
+  static absl::StatusOr<ElasticBody> Create(mesh::TetrahedralMesh mesh,
+                                            const Eigen::Array3Xi& is_fixed, bool is_stiffened,
+                                            simulator::SolverOptions options) {
+    ElasticBody body(is_fixed);
+    if ((is_fixed != 0).all()) return body;
+    const std::vector<simulator::Material> materials = Classify(is_stiffened, mesh);
+    MORTISE_ASSIGN_OR_RETURN(simulator::BlockMatrix assembled,
+                             simulator::AssembleStiffness(mesh, materials));
+    body.stiffness_ = std::make_shared<const simulator::BlockMatrix>(std::move(assembled));
+    MORTISE_ASSIGN_OR_RETURN(
+        body.solver_,
+        simulator::LinearSolver::Create(mesh, body.stiffness_->pattern(), is_fixed, {}, options));
+    MORTISE_RETURN_IF_ERROR(body.solver_->Prepare(body.stiffness_, mesh.nodes));
+    return body;
   }
 
-  // Returns the corners when the surface is where it is wanted. Nothing, where elements are turned
-  // over after a step that is not the last.
-  absl::StatusOr<std::optional<Eigen::Matrix3Xd>> Displace(const Attempt& attempt) {
-    Classify(attempt.is_stiffened);
-    mesh_.nodes = start_;
-    for (int step = 1; step <= attempt.steps; ++step) {
-      const double share = static_cast<double>(step) / attempt.steps;
-      const Eigen::Matrix3Xd wanted = (1 - share) * start_ + share * goal_;
-      const Eigen::Matrix3Xd prescribed =
-          (is_fixed_ != 0).select((wanted - mesh_.nodes).array(), 0.0).matrix();
-      MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd inner, Solve(prescribed));
-      mesh_.nodes += prescribed + inner;
-      mesh_.nodes = (is_fixed_ != 0).select(wanted.array(), mesh_.nodes.array()).matrix();
-      const bool is_last = step == attempt.steps;
-      if (!is_last && !InvertedElements(mesh_, mesh_.nodes).empty()) return {std::nullopt};
-    }
-    return {mesh_.nodes};
+  // Returns the displacements of all corners, `prescribed` on the surface.
+  absl::StatusOr<Eigen::Matrix3Xd> Displace(const Eigen::Matrix3Xd& prescribed) {
+    if (solver_ == nullptr) return prescribed;
+    const Eigen::Matrix3Xd load =
+        (is_fixed_ == 0).select(-stiffness_->Multiply(prescribed).array(), 0.0).matrix();
+    // What moves as a whole, or not at all, needs no solution, which could not be told from 0.
+    if (load.norm() == 0) return prescribed;
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd inner, solver_->Solve(load));
+    return (prescribed + inner).eval();
   }
-
-  int solves() const { return solves_; }
 
  private:
-  void Classify(bool is_stiffened) {
+  explicit ElasticBody(const Eigen::Array3Xi& is_fixed) : is_fixed_(is_fixed) {}
+
+  // Makes parts of elements of similar volume, and returns their materials.
+  static std::vector<simulator::Material> Classify(bool is_stiffened, mesh::TetrahedralMesh& mesh) {
     double largest = 0;
-    for (Eigen::Index e = 0; e < mesh_.tetrahedra.cols(); ++e) {
-      largest = std::max(largest, VolumeOf(start_, mesh_.tetrahedra.col(e)));
+    for (const auto& element : mesh.tetrahedra.colwise()) {
+      largest = std::max(largest, VolumeOf(mesh.nodes, element));
     }
     int stiffest = 0;
-    for (Eigen::Index e = 0; e < mesh_.tetrahedra.cols(); ++e) {
-      const double ratio = largest / VolumeOf(start_, mesh_.tetrahedra.col(e));
+    for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
+      const double ratio = largest / VolumeOf(mesh.nodes, mesh.tetrahedra.col(e));
       const double level = std::min(std::log2(ratio), static_cast<double>(kStiffestClass));
-      mesh_.part[e] = is_stiffened ? static_cast<int>(std::round(level)) : 0;
-      stiffest = std::max(stiffest, mesh_.part[e]);
+      mesh.part[e] = is_stiffened ? static_cast<int>(std::round(level)) : 0;
+      stiffest = std::max(stiffest, mesh.part[e]);
     }
-    materials_.clear();
-    mesh_.part_names.clear();
+    std::vector<simulator::Material> materials;
+    mesh.part_names.clear();
     for (int level = 0; level <= stiffest; ++level) {
       simulator::Material rubber;
       rubber.name = absl::StrCat("stiffness ", level);
       rubber.density = 1;
       rubber.youngs_modulus = std::exp2(level);
-      mesh_.part_names.push_back(rubber.name);
-      materials_.push_back(rubber);
+      mesh.part_names.push_back(rubber.name);
+      materials.push_back(rubber);
     }
+    return materials;
   }
 
-  absl::StatusOr<Eigen::Matrix3Xd> Solve(const Eigen::Matrix3Xd& prescribed) {
-    ++solves_;
-    if ((is_fixed_ != 0).all()) return Eigen::Matrix3Xd::Zero(3, prescribed.cols()).eval();
-    MORTISE_ASSIGN_OR_RETURN(simulator::BlockMatrix assembled,
-                             simulator::AssembleStiffness(mesh_, materials_));
-    const auto stiffness = std::make_shared<const simulator::BlockMatrix>(std::move(assembled));
-    const Eigen::Matrix3Xd load =
-        (is_fixed_ == 0).select(-stiffness->Multiply(prescribed).array(), 0.0).matrix();
-    // What moves as a whole, or not at all, needs no solution, which could not be told from 0.
-    if (load.norm() == 0) return Eigen::Matrix3Xd::Zero(3, prescribed.cols()).eval();
-    MORTISE_ASSIGN_OR_RETURN(const auto solver,
-                             simulator::LinearSolver::Create(mesh_, stiffness->pattern(), is_fixed_,
-                                                             {}, solver_options_));
-    MORTISE_RETURN_IF_ERROR(solver->Prepare(stiffness, mesh_.nodes));
-    return solver->Solve(load);
-  }
-
-  mesh::TetrahedralMesh mesh_;
   Eigen::Array3Xi is_fixed_;
-  Eigen::Matrix3Xd goal_;  // of the surface
-  Eigen::Matrix3Xd start_;
-  std::vector<simulator::Material> materials_;
-  simulator::SolverOptions solver_options_;
-  int solves_ = 0;
+  std::shared_ptr<const simulator::BlockMatrix> stiffness_;
+  std::unique_ptr<simulator::LinearSolver> solver_;  // none where all is fixed
 };
 
 absl::Status CheckOuter(const mesh::TetrahedralMesh& mesh, const mesh::CornerMesh& corners,
-                        const std::vector<int>& outer, const Eigen::Matrix3Xd& positions) {
-  if (positions.cols() != static_cast<Eigen::Index>(outer.size()) || !positions.allFinite()) {
-    return InvalidField("positions", "they are not finite, or not as many as 'outer'");
-  }
+                        const std::vector<int>& outer) {
   std::vector<bool> is_outer(corners.corner_of.size(), false);
   for (std::size_t i = 0; i < outer.size(); ++i) {
     const int node = outer[i];
@@ -159,6 +131,57 @@ absl::Status CheckOuter(const mesh::TetrahedralMesh& mesh, const mesh::CornerMes
 
 }  // namespace
 
+struct VolumeMapper::State {
+  const mesh::TetrahedralMesh* mesh = nullptr;
+  mesh::CornerMesh corners;
+  std::vector<int> outer;
+  Eigen::Array3Xi is_fixed;   // 3 × corners
+  std::vector<bool> is_free;  // corners
+  simulator::SolverOptions options;
+  std::mutex mutex;  // of the bodies
+  std::optional<ElasticBody> body, stiffened;
+
+  // Returns where corners are when the surface is displaced.
+  absl::StatusOr<Eigen::Matrix3Xd> Displace(const Eigen::Matrix3Xd& prescribed, bool is_stiffened) {
+    const std::scoped_lock lock(mutex);
+    std::optional<ElasticBody>& of = is_stiffened ? stiffened : body;
+    if (!of) {
+      MORTISE_ASSIGN_OR_RETURN(of,
+                               ElasticBody::Create(corners.mesh, is_fixed, is_stiffened, options));
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd moved, of->Displace(prescribed));
+    return (corners.mesh.nodes + moved).eval();
+  }
+
+  // Returns where they are after as many steps, each on the shape before. Nothing, where elements
+  // are turned over after a step that is not the last.
+  absl::StatusOr<std::optional<Eigen::Matrix3Xd>> DisplaceInSteps(
+      const Eigen::Matrix3Xd& prescribed, int steps) const {
+    simulator::SolverOptions once = options;
+    once.loads = 1;
+    mesh::TetrahedralMesh moved = corners.mesh;
+    for (int step = 1; step <= steps; ++step) {
+      MORTISE_ASSIGN_OR_RETURN(ElasticBody stage, ElasticBody::Create(moved, is_fixed, true, once));
+      MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement,
+                               stage.Displace(prescribed / steps));
+      moved.nodes += displacement;
+      if (step < steps && !InvertedElements(moved, moved.nodes).empty()) return {std::nullopt};
+    }
+    return {std::move(moved.nodes)};
+  }
+
+  // Elements between nodes of the surface are as the surface wants them.
+  bool IsMovable(int element) const {
+    for (int k = 0; k < 4; ++k) {
+      if (is_free[static_cast<std::size_t>(corners.mesh.tetrahedra(k, element))]) return true;
+    }
+    return false;
+  }
+};
+
+VolumeMapper::VolumeMapper(std::unique_ptr<State> state) : state_(std::move(state)) {}
+VolumeMapper::~VolumeMapper() = default;
+
 std::vector<int> InvertedElements(const mesh::TetrahedralMesh& mesh,
                                   const Eigen::Matrix3Xd& nodes) {
   std::vector<int> inverted;
@@ -171,48 +194,87 @@ std::vector<int> InvertedElements(const mesh::TetrahedralMesh& mesh,
   return inverted;
 }
 
+absl::StatusOr<std::unique_ptr<const VolumeMapper>> VolumeMapper::Create(
+    const mesh::TetrahedralMesh& mesh, std::vector<int> outer, const VolumeMapOptions& options) {
+  auto state = std::make_unique<State>();
+  state->mesh = &mesh;
+  state->corners = mesh::CornersOf(mesh);
+  MORTISE_RETURN_IF_ERROR(CheckOuter(mesh, state->corners, outer));
+  const Eigen::Index count = state->corners.mesh.nodes.cols();
+  state->is_fixed = Eigen::Array3Xi::Zero(3, count);
+  state->is_free.assign(static_cast<std::size_t>(count), true);
+  for (const int node : outer) {
+    const int corner = state->corners.corner_of[static_cast<std::size_t>(node)];
+    state->is_fixed.col(corner) = 1;
+    state->is_free[static_cast<std::size_t>(corner)] = false;
+  }
+  state->outer = std::move(outer);
+  state->options.memory_limit = options.memory_limit;
+  state->options.threads = options.threads;
+  state->options.tolerance = kTolerance;
+  state->options.loads = kLoads;
+  MORTISE_ASSIGN_OR_RETURN(state->body, ElasticBody::Create(state->corners.mesh, state->is_fixed,
+                                                            false, state->options));
+  return std::unique_ptr<const VolumeMapper>(new VolumeMapper(std::move(state)));
+}
+
+absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions) const {
+  if (positions.cols() != static_cast<Eigen::Index>(state_->outer.size()) ||
+      !positions.allFinite()) {
+    return InvalidField("positions", "they are not finite, or not as many as 'outer'");
+  }
+  const mesh::TetrahedralMesh& corners = state_->corners.mesh;
+  Eigen::Matrix3Xd prescribed = Eigen::Matrix3Xd::Zero(3, corners.nodes.cols());
+  for (std::size_t i = 0; i < state_->outer.size(); ++i) {
+    const int corner = state_->corners.corner_of[static_cast<std::size_t>(state_->outer[i])];
+    prescribed.col(corner) =
+        positions.col(static_cast<Eigen::Index>(i)) - corners.nodes.col(corner);
+  }
+  VolumeMap map;
+  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd best, state_->Displace(prescribed, false));
+  map.solves = 1;
+  map.inverted = InvertedElements(corners, best);
+  map.inverted_at_first = static_cast<int>(map.inverted.size());
+  const auto take = [&](const Eigen::Matrix3Xd& nodes) {
+    std::vector<int> inverted = InvertedElements(corners, nodes);
+    if (inverted.size() >= map.inverted.size()) return;
+    best = nodes;
+    map.inverted = std::move(inverted);
+  };
+  const auto is_done = [&] {
+    return std::none_of(map.inverted.begin(), map.inverted.end(),
+                        [this](int element) { return state_->IsMovable(element); });
+  };
+  if (!is_done()) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd nodes, state_->Displace(prescribed, true));
+    ++map.solves;
+    take(nodes);
+  }
+  for (int steps = 4; steps <= 16 && !is_done(); steps *= 4) {
+    MORTISE_ASSIGN_OR_RETURN(const auto nodes, state_->DisplaceInSteps(prescribed, steps));
+    map.solves += steps;
+    if (nodes) take(*nodes);
+  }
+  if (!is_done()) {
+    const std::size_t before = map.inverted.size();
+    Untangle(corners, state_->is_free, best);
+    map.inverted = InvertedElements(corners, best);
+    map.untangled = static_cast<int>(before) - static_cast<int>(map.inverted.size());
+  }
+  for (std::size_t i = 0; i < state_->outer.size(); ++i) {
+    const int corner = state_->corners.corner_of[static_cast<std::size_t>(state_->outer[i])];
+    best.col(corner) = positions.col(static_cast<Eigen::Index>(i));
+  }
+  map.nodes = mesh::AtAllNodes(*state_->mesh, state_->corners, best);
+  return map;
+}
+
 absl::StatusOr<VolumeMap> MapVolume(const mesh::TetrahedralMesh& mesh,
                                     const std::vector<int>& outer,
                                     const Eigen::Matrix3Xd& positions,
                                     const VolumeMapOptions& options) {
-  const mesh::CornerMesh corners = mesh::CornersOf(mesh);
-  MORTISE_RETURN_IF_ERROR(CheckOuter(mesh, corners, outer, positions));
-  Eigen::Array3Xi is_fixed = Eigen::Array3Xi::Zero(3, corners.mesh.nodes.cols());
-  Eigen::Matrix3Xd goal = corners.mesh.nodes;
-  std::vector<bool> is_free(static_cast<std::size_t>(goal.cols()), true);
-  for (std::size_t i = 0; i < outer.size(); ++i) {
-    const int corner = corners.corner_of[static_cast<std::size_t>(outer[i])];
-    is_fixed.col(corner) = 1;
-    is_free[static_cast<std::size_t>(corner)] = false;
-    goal.col(corner) = positions.col(static_cast<Eigen::Index>(i));
-  }
-  ElasticBody body(corners.mesh, is_fixed, goal, options);
-  VolumeMap map;
-  Eigen::Matrix3Xd best;
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  // Elements between nodes of the surface are as the surface wants them.
-  const auto is_movable = [&](int element) {
-    for (int k = 0; k < 4; ++k) {
-      if (is_free[static_cast<std::size_t>(corners.mesh.tetrahedra(k, element))]) return true;
-    }
-    return false;
-  };
-  for (const Attempt& attempt : kAttempts) {
-    MORTISE_ASSIGN_OR_RETURN(const std::optional<Eigen::Matrix3Xd> displaced,
-                             body.Displace(attempt));
-    if (!displaced) continue;
-    const std::vector<int> inverted = InvertedElements(corners.mesh, *displaced);
-    if (best.size() == 0) map.inverted_at_first = static_cast<int>(inverted.size());
-    if (inverted.size() < fewest) best = *displaced;
-    fewest = std::min(fewest, inverted.size());
-    if (std::none_of(inverted.begin(), inverted.end(), is_movable)) break;
-  }
-  map.solves = body.solves();
-  if (fewest > 0) Untangle(corners.mesh, is_free, best);
-  map.inverted = InvertedElements(corners.mesh, best);
-  map.untangled = static_cast<int>(fewest) - static_cast<int>(map.inverted.size());
-  map.nodes = mesh::AtAllNodes(mesh, corners, best);
-  return map;
+  MORTISE_ASSIGN_OR_RETURN(const auto mapper, VolumeMapper::Create(mesh, outer, options));
+  return mapper->Map(positions);
 }
 
 }  // namespace mortise::interpolator

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -29,11 +30,34 @@ struct VolumeMap {
   std::vector<int> inverted;  // elements that are still turned over or flat
 };
 
-// Returns the nodes of `mesh` when node outer[i] is at positions.col(i). `outer`: all corners on
-// the surface of the mesh. An element counts as turned over where its volume is not positive beyond
-// rounding. INVALID_ARGUMENT naming "mesh" if an element is turned over before, "outer" or
-// "positions" if these are no nodes of the mesh, not as many, not finite, or a corner on the
-// surface is missing. RESOURCE_EXHAUSTED, and FAILED_PRECONDITION as the linear solver's.
+// A mesh whose surface is displaced again and again: its stiffness is assembled, and the solver
+// made ready, once.
+class VolumeMapper {
+ public:
+  // `outer`: all corners on the surface of the mesh, which must outlive the mapper and stay as it
+  // is. An element counts as turned over where its volume is not positive beyond rounding.
+  // INVALID_ARGUMENT naming "mesh" if an element is turned over before, "outer" if these are no
+  // corners of the mesh, or one on the surface is missing. RESOURCE_EXHAUSTED, and
+  // FAILED_PRECONDITION as the linear solver's.
+  static absl::StatusOr<std::unique_ptr<const VolumeMapper>> Create(
+      const mesh::TetrahedralMesh& mesh, std::vector<int> outer,
+      const VolumeMapOptions& options = {});
+  ~VolumeMapper();
+
+  // Returns the nodes of the mesh when node outer[i] is at positions.col(i). The result does not
+  // depend on what was mapped before. May be called from any number of threads, which wait for each
+  // other to solve. INVALID_ARGUMENT naming "positions" unless they are finite and as many as
+  // `outer`. Fails as the linear solver does.
+  absl::StatusOr<VolumeMap> Map(const Eigen::Matrix3Xd& positions) const;
+
+ private:
+  struct State;
+  explicit VolumeMapper(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+// Does the same once. Fails as VolumeMapper does.
 absl::StatusOr<VolumeMap> MapVolume(const mesh::TetrahedralMesh& mesh,
                                     const std::vector<int>& outer,
                                     const Eigen::Matrix3Xd& positions,
