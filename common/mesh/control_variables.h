@@ -12,6 +12,7 @@ struct ControlVariables {
   struct Point {
     std::string name;                                    // of one point only
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+    int vertex = -1;                                     // that lies there; -1 if none is known
   };
   // A piece of an edge of the model, between points that follow each other along it.
   struct Path {
