@@ -128,6 +128,24 @@ absl::Status CheckPaths(const DesignFields& design) {
   return absl::OkStatus();
 }
 
+absl::Status CheckWays(const DesignFields& design) {
+  const auto points = std::ssize(design.control_points);
+  for (std::size_t i = 0; i < design.ways.size(); ++i) {
+    const ControlWay& way = design.ways[i];
+    const std::string field = Entry("ways", i);
+    if (way.edge.empty()) return InvalidField(field + ".edge", "must not be empty");
+    MORTISE_RETURN_IF_ERROR(CheckName(way.edge, field + ".edge"));
+    for (const auto& [end, name] : {std::pair(way.from, ".from"), std::pair(way.to, ".to")}) {
+      if (end >= 0 && end < points) continue;
+      return InvalidField(field + name, "is a control point that is not there");
+    }
+    MORTISE_RETURN_IF_ERROR(CheckCount(way.positions.cols(), "ways"));
+    if (way.positions.cols() >= 2 && way.positions.allFinite()) continue;
+    return InvalidField(field + ".positions", "must be at least two, and finite");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckField(const Field& field, const DesignFields& design, const std::string& place) {
   if (field.name.empty()) return InvalidField(place + ".name", "must not be empty");
   MORTISE_RETURN_IF_ERROR(CheckName(field.name, place + ".name"));
@@ -175,6 +193,7 @@ absl::Status Check(const DesignFields& design) {
   MORTISE_RETURN_IF_ERROR(CheckRegions(design));
   MORTISE_RETURN_IF_ERROR(CheckControlPoints(design));
   MORTISE_RETURN_IF_ERROR(CheckPaths(design));
+  MORTISE_RETURN_IF_ERROR(CheckWays(design));
   return CheckFields(design);
 }
 

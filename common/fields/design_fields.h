@@ -35,6 +35,14 @@ struct Path {
   std::vector<int> nodes;  // one after another, at least two; the first again at the end if closed
 };
 
+// A piece of such an edge from one control point to another, which needs no nodes on it.
+struct ControlWay {
+  std::string edge;            // the pieces of one edge share its name
+  int from = -1;               // control points
+  int to = -1;                 // and
+  Eigen::Matrix3Xd positions;  // 3 × at least 2, m, from the one to the other along the edge
+};
+
 enum class FieldPlace { kNodes, kElements };
 
 // A quantity all over the design, in one load case.
@@ -62,7 +70,8 @@ struct DesignFields {
   std::vector<Region> regions;     // each name once
   std::vector<ControlPoint> control_points;  // each id once
   std::vector<Path> paths;                   // each id once
-  std::vector<Field> fields;                 // each pair of name and load case once
+  std::vector<ControlWay> ways;
+  std::vector<Field> fields;  // each pair of name and load case once
 };
 
 // Fails with INVALID_ARGUMENT naming the first that is wrong, "tetrahedra[12]", "fields[1].values",

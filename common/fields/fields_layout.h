@@ -29,7 +29,8 @@ enum class SectionKind : std::uint32_t {
   kRegions = 5,
   kControlPoints = 6,
   kPaths = 7,
-  kField = 8,  // as many as there are fields
+  kField = 8,        // as many as there are fields
+  kControlWays = 9,  // once if there are any, else not
 };
 
 // How the numbers of an array are written.

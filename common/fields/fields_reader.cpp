@@ -176,6 +176,19 @@ void ReadPaths(Cursor& in, DesignFields& design) {
   }
 }
 
+void ReadControlWays(Cursor& in, DesignFields& design) {
+  design.ways.resize(in.NextCount(9 * sizeof(std::uint64_t)));
+  for (ControlWay& way : design.ways) {
+    way.edge = in.NextText();
+    way.from = in.Next<int>();
+    way.to = in.Next<int>();
+    const auto count = in.Next<std::uint64_t>();
+    const auto positions = in.NextMatrix<Eigen::MatrixXd>(3, count);
+    if (in.failed()) return;
+    way.positions = positions;
+  }
+}
+
 void ReadField(Cursor& in, DesignFields& design, bool& is_known) {
   Field field;
   field.name = in.NextText();
@@ -228,6 +241,9 @@ bool ReadSection(SectionKind kind, Cursor& in, DesignFields& design) {
       break;
     case SectionKind::kField:
       ReadField(in, design, is_known);
+      break;
+    case SectionKind::kControlWays:
+      ReadControlWays(in, design);
       break;
   }
   return is_known;
@@ -283,7 +299,7 @@ class Table {
       last = kind;
       end += size;
       // What later programs add is none of this one's concern.
-      if (kind > static_cast<std::uint32_t>(SectionKind::kField)) continue;
+      if (kind > static_cast<std::uint32_t>(SectionKind::kControlWays)) continue;
       Cursor in(bytes_.substr(offset, size));
       if (!ReadSection(static_cast<SectionKind>(kind), in, design) || !in.AtEnd()) {
         return InvalidField(field, absl::StrCat("of kind ", kind, " is not laid out as it should"));
@@ -297,11 +313,12 @@ class Table {
   }
 
  private:
-  // Kinds 1 to 7 are there once each; fields, and what is not known, follow.
+  // Kinds 1 to 7 are there once each; fields, control ways, and what is not known, follow.
   static absl::Status CheckOrder(std::uint32_t kind, std::uint32_t last, const std::string& field) {
     constexpr auto kPaths = static_cast<std::uint32_t>(SectionKind::kPaths);
+    constexpr auto kWays = static_cast<std::uint32_t>(SectionKind::kControlWays);
     const bool is_next = last < kPaths ? kind == last + 1 : kind >= last && kind > kPaths;
-    if (is_next) return absl::OkStatus();
+    if (is_next && !(kind == kWays && last == kWays)) return absl::OkStatus();
     return InvalidField(field, absl::StrCat("of kind ", kind, " must not follow kind ", last));
   }
 

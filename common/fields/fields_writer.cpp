@@ -154,6 +154,19 @@ void AddNamed(const DesignFields& design, bool keep, std::vector<Section>& secti
   }
 }
 
+Section WaysSection(const std::vector<ControlWay>& ways, bool keep) {
+  Section section(SectionKind::kControlWays, keep);
+  section.Add(std::uint64_t{ways.size()});
+  for (const ControlWay& way : ways) {
+    section.AddText(way.edge);
+    section.Add(way.from);
+    section.Add(way.to);
+    section.Add(static_cast<std::uint64_t>(way.positions.cols()));
+    section.AddArray(way.positions.data(), static_cast<std::size_t>(way.positions.size()));
+  }
+  return section;
+}
+
 std::vector<Section> SectionsOf(const DesignFields& design, const WriteOptions& options,
                                 bool keep) {
   std::vector<Section> sections;
@@ -169,6 +182,7 @@ std::vector<Section> SectionsOf(const DesignFields& design, const WriteOptions& 
   for (const Field& field : design.fields) {
     sections.push_back(FieldSection(field, options.single_precision, keep));
   }
+  if (!design.ways.empty()) sections.push_back(WaysSection(design.ways, keep));
   return sections;
 }
 

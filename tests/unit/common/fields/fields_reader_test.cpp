@@ -46,6 +46,13 @@ void ExpectSameLists(const DesignFields& a, const DesignFields& b) {
     EXPECT_EQ(a.paths[i].id, b.paths[i].id);
     EXPECT_EQ(a.paths[i].nodes, b.paths[i].nodes);
   }
+  ASSERT_EQ(a.ways.size(), b.ways.size());
+  for (std::size_t i = 0; i < a.ways.size(); ++i) {
+    EXPECT_EQ(a.ways[i].edge, b.ways[i].edge);
+    EXPECT_EQ(a.ways[i].from, b.ways[i].from);
+    EXPECT_EQ(a.ways[i].to, b.ways[i].to);
+    EXPECT_EQ(a.ways[i].positions, b.ways[i].positions);
+  }
 }
 
 void ExpectSameFields(const DesignFields& a, const DesignFields& b, double tolerance) {
@@ -92,6 +99,11 @@ DesignFields RandomDesign(std::mt19937& random) {
         {std::string(i, 'c'), Eigen::Vector3d::Random(), below(nodes + 1) - 1});
     design.paths.push_back({std::string(i, 'p'), {below(nodes), below(nodes), below(nodes)}});
   }
+  const int points = static_cast<int>(design.control_points.size());
+  for (int i = points == 0 ? 0 : below(4); i > 0; --i) {
+    design.ways.push_back({std::string(1 + below(9), 'w'), below(points), below(points),
+                           Eigen::Matrix3Xd::Random(3, 2 + below(5))});
+  }
   for (int i = below(5); i > 0; --i) {
     const bool of_nodes = below(2) == 0;
     design.fields.push_back(
@@ -129,7 +141,7 @@ TEST(FieldsFileTest, WhatOthersWriteByTheManualIsRead) {
   const char* const source = std::getenv("MORTISE_SOURCE_DIR");
   const std::filesystem::path folder = std::filesystem::path(source == nullptr ? "." : source) /
                                        "tests/fuzz/corpus/design_fields_fuzz";
-  for (const char* const name : {"exact", "steps"}) {
+  for (const std::string name : {"exact", "steps", "ways"}) {
     const auto bytes = ReadFile(folder / name);
     ASSERT_TRUE(bytes.ok()) << bytes.status();
     const auto design = ReadFields(*bytes);
@@ -142,6 +154,11 @@ TEST(FieldsFileTest, WhatOthersWriteByTheManualIsRead) {
     EXPECT_EQ(design->fields.at(0).values, Eigen::MatrixXd::Constant(3, 4, 0.5));
     EXPECT_EQ(design->fields.at(1).place, FieldPlace::kElements);
     EXPECT_EQ(design->fields.at(1).values(0, 0), 5);
+    ASSERT_EQ(design->ways.size(), name == "ways" ? 1u : 0u);
+    if (design->ways.empty()) continue;
+    EXPECT_EQ(design->ways[0].edge, "E2");
+    EXPECT_EQ(design->ways[0].to, 1);
+    EXPECT_EQ(design->ways[0].positions.col(1), Eigen::Vector3d(0.5, 0.25, 0));
   }
 }
 
@@ -202,6 +219,22 @@ TEST(FieldsFileTest, WhatIsNoSuchFileIsRefused) {
   later[8] = 2;
   const auto read = ReadFields(Sealed(later));
   EXPECT_EQ(DetailOf(read.status()).field, "header.version") << read.status();
+}
+
+// Kinds that later versions add are passed over; control ways are there once.
+TEST(FieldsFileTest, SectionsOfLaterVersionsArePassedOver) {
+  const std::string bytes = *WriteFields(TwoTetrahedra());
+  const std::size_t last = 64 + 24 * 10;  // of the table: seven kinds, three fields, control ways
+  ASSERT_EQ(bytes[last], 9);
+  std::string later = bytes;
+  later[last] = 10;
+  const auto read = ReadFields(Sealed(later));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_TRUE(read->ways.empty());
+  EXPECT_EQ(read->fields.size(), 3u);
+  std::string twice = bytes;
+  twice[last - 24] = 9;
+  EXPECT_TRUE(absl::IsInvalidArgument(ReadFields(Sealed(twice)).status()));
 }
 
 TEST(FieldsFileTest, AnyCutAndAnyChangedBitIsNoticed) {

@@ -25,6 +25,9 @@ inline DesignFields TwoTetrahedra() {
   design.regions = {{"held", {0, 2}}, {"leg/base", {0}}, {"nothing", {}}};
   design.control_points = {{"V1", Eigen::Vector3d(0, 0, 0), 0}, {"V2", {0.5, 0.25, -1}, -1}};
   design.paths = {{"E1", {0, 1, 3, 0}}};
+  Eigen::Matrix3Xd bend(3, 3);
+  bend << 0, 0.1, 0.5, 0, 0.25, 0.25, 0, 1e-300, -1;
+  design.ways = {{"E2", 0, 1, bend}, {"E2", 1, 0, Eigen::Matrix3Xd::Identity(3, 2)}};
   Eigen::MatrixXd displacement(3, 5);
   displacement << 1e-6, 2e-6, 3e-6, 4e-6, 5e-6, -1, -2, -3, -4, -5, 0, 0, 0, 0, 1e-300;
   design.fields = {
