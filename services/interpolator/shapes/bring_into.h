@@ -1,0 +1,76 @@
+// Brings designs into a canonical mesh: p_k^l of thesis §6.4.2, the shape and the fields of one
+// design in the nodes and elements that all share.
+//
+// A design with the same elements as the canonical mesh's own, as from evaluators of fixed
+// topology, is taken over node by node. Any other is mapped (../mapping, thesis §6.6.2): its outer
+// surface onto the canonical one, patch by patch between control variables, and the interior by
+// elasticity. Its fields follow by place: nodes on the surface have the value at the nearest point
+// of the design's own surface, linear in its triangle, which rounding apart is the place that the
+// map took them to; nodes inside have the value linear in the design's tetrahedron that they lie
+// in, and what is of elements that of the element that the centre lies in. What lies outside of the
+// design, as its elements are not quite those mapped, has the value of the nearest place on its
+// surface. Values are so never beyond those that the design has.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/fields/design_fields.h"
+#include "services/interpolator/mapping/patch_layout.h"
+#include "services/interpolator/mapping/volume_map.h"
+#include "services/interpolator/shapes/canonical_mesh.h"
+
+namespace mortise::interpolator {
+
+// Exact: what maps compute with before it is packed (packed_shape.h).
+struct ConsistentShape {
+  Eigen::Matrix3Xd nodes;               // 3 × N, m, in the canonical mesh's order
+  std::vector<Eigen::MatrixXd> fields;  // of each of its fields: components × nodes or tetrahedra
+};
+
+struct BringOptions {
+  LayoutOptions layout;
+  VolumeMapOptions volume;
+};
+
+struct BroughtShape {
+  ConsistentShape shape;
+  bool is_identity = false;  // whether its elements were the canonical mesh's own
+  int inverted = 0;          // canonical elements that are turned over or flat in this shape
+  int outside = 0;           // nodes and centres whose values come from the nearest place, and
+  double furthest = 0;       // m, how far away that was at the most
+};
+
+// A canonical mesh that many designs are brought into. Whatever only depends on the mesh is
+// computed once. Immutable: many threads may use one.
+class PreparedMesh {
+ public:
+  static absl::StatusOr<PreparedMesh> Create(std::shared_ptr<const CanonicalMesh> mesh,
+                                             const BringOptions& options = {});
+
+  const CanonicalMesh& mesh() const { return *mesh_; }
+
+  // Brings a design into the mesh; the same design gives the same shape. INVALID_ARGUMENT as
+  // fields::Check, "nodes" or "fields[i].values" for numbers that are not finite; "fields" naming
+  // the field and load case that the canonical mesh has and the design lacks, or has in another
+  // unit, number of components or place; "tetrahedra" where it has none and the mesh has.
+  // FAILED_PRECONDITION, reason TOPOLOGY_DIFFERS, TOO_FEW_POINTS or PATCH_NOT_SIMPLE, where its
+  // topology is another one (patch_layout.h): then this element of the map wants a mesh of its own;
+  // TOPOLOGY_DIFFERS also where it has another number of parts. Else as MapSurface and MapVolume.
+  absl::StatusOr<BroughtShape> Bring(const fields::DesignFields& design) const;
+
+ private:
+  PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh, const BringOptions& options)
+      : mesh_(std::move(mesh)), options_(options) {}
+
+  std::shared_ptr<const CanonicalMesh> mesh_;
+  BringOptions options_;
+};
+
+// Does the same for one design.
+absl::StatusOr<BroughtShape> BringInto(const fields::DesignFields& design,
+                                       const CanonicalMesh& mesh, const BringOptions& options = {});
+
+}  // namespace mortise::interpolator
