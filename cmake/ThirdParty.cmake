@@ -25,6 +25,7 @@ pkg_check_modules(Modbus REQUIRED IMPORTED_TARGET libmodbus)
 pkg_check_modules(Cares REQUIRED IMPORTED_TARGET libcares)
 pkg_check_modules(Clp REQUIRED IMPORTED_TARGET clp)
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
+pkg_check_modules(Zstd REQUIRED IMPORTED_TARGET libzstd)
 
 # Libraries whose packages bring neither a CMake nor a pkg-config file.
 function(mortise_find_library target header)

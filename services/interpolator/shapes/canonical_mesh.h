@@ -74,7 +74,7 @@ struct CanonicalMesh {
   double size = 0;  // m, diagonal of the box around its nodes
 
   // What it was made of, with corners alone and nodes in the order given: what the file keeps, and
-  // what tells a design of the same nodes and elements. Its fields have no values (0 columns).
+  // what tells a design of the same nodes and elements. It is without fields.
   fields::DesignFields given;
   std::vector<int> given_node;  // of each node: the node of `given`
 };
