@@ -18,8 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/fields/design_fields.h"
-#include "services/interpolator/mapping/patch_layout.h"
-#include "services/interpolator/mapping/volume_map.h"
+#include "services/interpolator/mapping/mesh_mapper.h"
 #include "services/interpolator/shapes/canonical_mesh.h"
 
 namespace mortise::interpolator {
@@ -28,11 +27,6 @@ namespace mortise::interpolator {
 struct ConsistentShape {
   Eigen::Matrix3Xd nodes;               // 3 × N, m, in the canonical mesh's order
   std::vector<Eigen::MatrixXd> fields;  // of each of its fields: components × nodes or tetrahedra
-};
-
-struct BringOptions {
-  LayoutOptions layout;
-  VolumeMapOptions volume;
 };
 
 struct BroughtShape {
@@ -44,33 +38,39 @@ struct BroughtShape {
 };
 
 // A canonical mesh that many designs are brought into. Whatever only depends on the mesh is
-// computed once. Immutable: many threads may use one.
+// computed once, when the first design wants it: the solver of a large mesh takes much memory, and
+// designs with the mesh's own elements need none.
 class PreparedMesh {
  public:
-  static absl::StatusOr<PreparedMesh> Create(std::shared_ptr<const CanonicalMesh> mesh,
-                                             const BringOptions& options = {});
+  explicit PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh,
+                        const MeshMapOptions& options = {});
+  ~PreparedMesh();
 
   const CanonicalMesh& mesh() const { return *mesh_; }
 
-  // Brings a design into the mesh; the same design gives the same shape. INVALID_ARGUMENT as
-  // fields::Check, "nodes" or "fields[i].values" for numbers that are not finite; "fields" naming
-  // the field and load case that the canonical mesh has and the design lacks, or has in another
-  // unit, number of components or place; "tetrahedra" where it has none and the mesh has.
+  // Brings a design into the mesh; the same design gives the same shape, whatever was brought
+  // before. May be called from any number of threads, which wait for each other where interiors are
+  // solved.
+  //
+  // INVALID_ARGUMENT as fields::Check, for numbers that are not finite too; "fields" naming the
+  // field and load case that the canonical mesh has and the design lacks, or has in another unit,
+  // number of components or place; "tetrahedra" where it has none and the mesh has.
   // FAILED_PRECONDITION, reason TOPOLOGY_DIFFERS, TOO_FEW_POINTS or PATCH_NOT_SIMPLE, where its
-  // topology is another one (patch_layout.h): then this element of the map wants a mesh of its own;
-  // TOPOLOGY_DIFFERS also where it has another number of parts. Else as MapSurface and MapVolume.
+  // topology is another one (patch_layout.h), so that its element of the map wants a mesh of its
+  // own; TOPOLOGY_DIFFERS also where it has another number of parts. Fields of errors of the
+  // mapping are below "design" and, where it is the canonical mesh's fault, "mesh".
   absl::StatusOr<BroughtShape> Bring(const fields::DesignFields& design) const;
 
  private:
-  PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh, const BringOptions& options)
-      : mesh_(std::move(mesh)), options_(options) {}
+  class Mapping;
 
   std::shared_ptr<const CanonicalMesh> mesh_;
-  BringOptions options_;
+  std::unique_ptr<Mapping> mapping_;
 };
 
 // Does the same for one design.
 absl::StatusOr<BroughtShape> BringInto(const fields::DesignFields& design,
-                                       const CanonicalMesh& mesh, const BringOptions& options = {});
+                                       const CanonicalMesh& mesh,
+                                       const MeshMapOptions& options = {});
 
 }  // namespace mortise::interpolator

@@ -55,6 +55,7 @@ void KeepControls(const fields::DesignFields& design, const NodeNumbers& numbers
     point.node = numbers.Of(point.node);
     corners.control_points.push_back(std::move(point));
   }
+  corners.ways = design.ways;
   for (const fields::Path& path : design.paths) {
     fields::Path kept{path.id, {}};
     for (const int node : path.nodes) {
