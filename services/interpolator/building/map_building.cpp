@@ -62,7 +62,7 @@ absl::StatusOr<std::unique_ptr<MapBuilding>> MapBuilding::Create(const MapPlan& 
   return building;
 }
 
-absl::Status MapBuilding::Run(const KnownAnswers& known) {
+absl::Status MapBuilding::Run(const KnownAnswers& known, KnownShapes /*known_shapes*/) {
   ThreadPool lanes(std::max(1, options_.lanes));
   const absl::Status status = RunToItsEnd(known, lanes);
   if (!status.ok()) {
@@ -233,6 +233,11 @@ void MapBuilding::KeepWhatIsUnderWay() {
 // 0 where nothing is measured yet.
 double MapBuilding::LargestOf(const maps::MapErrors& errors) const {
   return maps::RelativeError(errors.largest, options_.sampling.noise_floor, errors.range);
+}
+
+absl::StatusOr<std::optional<ShapedStructure>> MapBuilding::ShapesOf(std::size_t structure) const {
+  MORTISE_RETURN_IF_ERROR(structures_[structure]->Content().status());
+  return std::nullopt;
 }
 
 StopReason MapBuilding::ReasonOf(std::size_t structure) const {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,7 +19,10 @@
 #include "common/base/thread_pool.h"
 #include "common/evaluation/failures/failure_tally.h"
 #include "common/maps/map_sampling.h"
+#include "services/interpolator/building/known_shapes.h"
 #include "services/interpolator/building/map_plan.h"
+#include "services/interpolator/building/shape_options.h"
+#include "services/interpolator/building/shaped_structure.h"
 
 namespace mortise::interpolator {
 
@@ -26,6 +30,9 @@ namespace mortise::interpolator {
 struct DesignAnswer {
   absl::Status status;     // why it could not be evaluated; OK if it was
   Eigen::VectorXd values;  // M
+  // Digest of the file with its shape and fields (common/fields), of maps that have such: what
+  // ShapeOptions::get gives.
+  std::string file{};
 };
 
 // A design that a map asks for: the `number`-th of a structure.
@@ -51,6 +58,11 @@ struct BuildProgress {
   std::int64_t elements = 0;
   double error = 0;          // the largest over the range of its metric, of all structures
   bool is_measured = false;  // whether that is known of any: new elements have no probes yet
+  // Of maps with shapes:
+  int meshes = 0;             // canonical ones
+  std::int64_t shapes = 0;    // designs brought into them, each into one mesh
+  std::int64_t to_map = 0;    // designs that are still to be, as far as is known
+  std::int64_t unmapped = 0;  // that could not be
 };
 
 struct BuildOptions {
@@ -76,6 +88,8 @@ struct BuildOptions {
   // Called each time that no answer has come for `quiet`, with how long there has been none.
   std::function<void(std::chrono::seconds)> waiting;
   std::chrono::milliseconds quiet{10'000};
+  // Shapes and fields beside the metrics; none if absent. There may be no metrics then.
+  std::optional<ShapeOptions> shapes;
 };
 
 // One build. Its callbacks are called on the thread that runs it.
@@ -87,14 +101,19 @@ class MapBuilding {
 
   // Samples until every structure has what it needs, or is stopped. Answers that are already known,
   // from a build that was interrupted, are taken from `known`, also if it is stopped at once: the
-  // map is the same. Returns why the evaluator was lost, if it was, or what `judge` said; DATA_LOSS
-  // if `known` is of another map.
-  absl::Status Run(const KnownAnswers& known);
+  // map is the same. So is what is known of shapes, which need not be mapped again. Returns why the
+  // evaluator was lost, if it was, or what `judge` said, or why shapes could not be put or read;
+  // DATA_LOSS if `known` is of another map. An answer that is known and lacks the file that a map
+  // with shapes needs is asked for again.
+  absl::Status Run(const KnownAnswers& known, KnownShapes known_shapes = {});
 
   const std::vector<std::unique_ptr<maps::MapSampling>>& structures() const { return structures_; }
   // Why a structure is not sampled any more.
   StopReason ReasonOf(std::size_t structure) const;
   BuildProgress progress() const;
+  // The shapes of a structure, for its Content(): of the last complete round. Nothing of a build
+  // without shapes. FAILED_PRECONDITION as Content().
+  absl::StatusOr<std::optional<ShapedStructure>> ShapesOf(std::size_t structure) const;
 
  private:
   struct Asked {
