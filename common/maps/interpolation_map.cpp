@@ -63,6 +63,10 @@ InterpolationMap::InterpolationMap(MapContent content, RefinementTree tree)
   }
 }
 
+Eigen::MatrixXd InterpolationMap::Coefficients() const {
+  return ComputeCoefficients(tree_, content_.values, ByNode(content_, tree_));
+}
+
 MapValues InterpolationMap::Evaluate(const Eigen::Ref<const Eigen::MatrixXd>& points,
                                      bool gradients) const {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -49,6 +49,10 @@ class InterpolationMap {
   // How many of them Evaluate reads for these points (K × n), for benches.
   std::size_t BytesRead(const Eigen::Ref<const Eigen::MatrixXd>& points) const;
 
+  // Returns q of each B-spline of the tree (A.11), outputs × tree().splines().count(), zero where
+  // one is not active. They are computed anew.
+  Eigen::MatrixXd Coefficients() const;
+
   // points: K × n, in the unit box; coordinates outside of it are taken to its faces. Not finite
   // ones give NaN. Gradients are by the coordinates of the unit box.
   MapValues Evaluate(const Eigen::Ref<const Eigen::MatrixXd>& points, bool gradients = false) const;

@@ -165,6 +165,7 @@ inline constexpr Example kExamples[] = {
     {"InterpolatorService/ListMaps", "page_size: 10"},
     {"InterpolatorService/EvaluateMap",
      "name: '{map}' points: [1.3, 1.45] metrics: 'mass' gradients: true"},
+    {"InterpolatorService/ExportMap", "name: '{map}' structure: 0 metrics: 'mass'"},
     {"InterpolatorService/OptimizeMap",
      "name: '{map}' objective: 'mass' starts: 2 seed: 1 limits { metric: 'mass' minimum: 0 "
      "maximum: 1e6 } "

@@ -12,6 +12,7 @@
 #include "mortise/v1/interpolator.grpc.pb.h"
 #include "services/interpolator/service/build_methods.h"
 #include "services/interpolator/service/build_operation.h"
+#include "services/interpolator/service/export_methods.h"
 #include "services/interpolator/service/interpolator.h"
 #include "services/interpolator/service/loaded_maps.h"
 #include "services/interpolator/service/map_methods.h"
@@ -50,6 +51,7 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
   MORTISE_QUERY(GetMap, rpc::With(interpolator_, methods::GetMap))
   MORTISE_QUERY(ListMaps, rpc::With(interpolator_, methods::ListMaps))
   MORTISE_QUERY(EvaluateMap, rpc::With(interpolator_, methods::EvaluateMap))
+  MORTISE_SERVER_STREAM(ExportMap, rpc::With(interpolator_, methods::ExportMap))
   MORTISE_QUERY(OptimizeMap, rpc::With(interpolator_, methods::OptimizeMap))
   MORTISE_MUTATION(VerifyMap, rpc::With(interpolator_, methods::VerifyMap))
   MORTISE_MUTATION(UpdateMap, methods::UpdateMap)

@@ -55,27 +55,6 @@ absl::Status NoStructure(const v1::DesignMap& map, const std::vector<double>& va
                       absl::StrCat("the map has no structure with ", absl::StrJoin(parts, ", ")));
 }
 
-// Which of the map's metrics are asked for.
-absl::StatusOr<std::vector<int>> ColumnsOf(const v1::DesignMap& map,
-                                           const v1::EvaluateMapRequest& asked) {
-  std::vector<int> columns;
-  std::set<std::string> names;
-  for (int i = 0; i < asked.metrics_size(); ++i) {
-    const std::string field = absl::StrCat("metrics[", i, "]");
-    const auto at = std::ranges::find_if(
-        map.metrics(), [&](const auto& metric) { return metric.name() == asked.metrics(i); });
-    if (at == map.metrics().end()) {
-      return InvalidField(field, absl::StrCat("the map has no metric '", asked.metrics(i), "'"));
-    }
-    if (!names.insert(asked.metrics(i)).second) return InvalidField(field, "is given twice");
-    columns.push_back(static_cast<int>(at - map.metrics().begin()));
-  }
-  if (columns.empty()) {
-    for (int i = 0; i < map.metrics_size(); ++i) columns.push_back(i);
-  }
-  return columns;
-}
-
 absl::Status CheckAnswerSize(std::size_t points, std::size_t metrics, std::size_t parameters,
                              bool gradients) {
   const std::size_t each = metrics * (2 + (gradients ? parameters : 0));
@@ -193,11 +172,31 @@ Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& poin
   return places.topRows(row);
 }
 
+absl::StatusOr<std::vector<int>> MetricColumns(
+    const v1::DesignMap& map, const google::protobuf::RepeatedPtrField<std::string>& asked) {
+  std::vector<int> columns;
+  std::set<std::string> names;
+  for (int i = 0; i < asked.size(); ++i) {
+    const std::string field = absl::StrCat("metrics[", i, "]");
+    const auto at = std::ranges::find_if(
+        map.metrics(), [&](const auto& metric) { return metric.name() == asked[i]; });
+    if (at == map.metrics().end()) {
+      return InvalidField(field, absl::StrCat("the map has no metric '", asked[i], "'"));
+    }
+    if (!names.insert(asked[i]).second) return InvalidField(field, "is given twice");
+    columns.push_back(static_cast<int>(at - map.metrics().begin()));
+  }
+  if (columns.empty()) {
+    for (int i = 0; i < map.metrics_size(); ++i) columns.push_back(i);
+  }
+  return columns;
+}
+
 absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
                                                  const v1::EvaluateMapRequest& asked,
                                                  const std::function<bool()>& is_given_up) {
   const v1::DesignMap& record = map.record;
-  MORTISE_ASSIGN_OR_RETURN(std::vector<int> columns, ColumnsOf(record, asked));
+  MORTISE_ASSIGN_OR_RETURN(std::vector<int> columns, MetricColumns(record, asked.metrics()));
   MORTISE_ASSIGN_OR_RETURN(const MapPoints points, ReadPoints(record, asked.points(), kMaxPoints));
   MORTISE_RETURN_IF_ERROR(CheckAnswerSize(points.structures.size(), columns.size(),
                                           static_cast<std::size_t>(record.parameters_size()),

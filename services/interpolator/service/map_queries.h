@@ -32,6 +32,11 @@ absl::StatusOr<MapPoints> ReadPoints(const v1::DesignMap& map,
 // Returns the K numbers of each point, as places in the unit box: K x n.
 Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& points);
 
+// Returns which of the map's metrics are asked for by name, as places among them; all where none
+// is. INVALID_ARGUMENT naming "metrics[0]" that the map lacks, or that is given twice.
+absl::StatusOr<std::vector<int>> MetricColumns(
+    const v1::DesignMap& map, const google::protobuf::RepeatedPtrField<std::string>& asked);
+
 // INVALID_ARGUMENT as ReadPoints, and naming "metrics[0]" that the map lacks; CANCELLED soon after
 // `is_given_up` says so.
 absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
