@@ -21,12 +21,12 @@
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/building/map_building.h"
-#include "services/interpolator/service/kept_answers.h"
+#include "services/interpolator/records/kept_answers.h"
+#include "services/interpolator/records/stored_map.h"
 #include "services/interpolator/service/map_evaluator.h"
 #include "services/interpolator/service/map_message.h"
 #include "services/interpolator/service/map_records.h"
 #include "services/interpolator/service/plan_request.h"
-#include "services/interpolator/service/stored_map.h"
 
 namespace mortise::interpolator {
 namespace {

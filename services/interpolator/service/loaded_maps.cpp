@@ -4,8 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/records/stored_map.h"
 #include "services/interpolator/service/map_records.h"
-#include "services/interpolator/service/stored_map.h"
 
 namespace mortise::interpolator {
 namespace {

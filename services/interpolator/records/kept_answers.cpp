@@ -1,4 +1,4 @@
-#include "services/interpolator/service/kept_answers.h"
+#include "services/interpolator/records/kept_answers.h"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // Files of maps: written, read, and damaged.
-#include "services/interpolator/service/stored_map.h"
+#include "services/interpolator/records/stored_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "services/interpolator/service/stored_map.h"
+#include "services/interpolator/records/stored_map.h"
 
 #include <utility>
 
