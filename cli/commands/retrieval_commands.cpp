@@ -15,7 +15,7 @@
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
-#include "common/rpc/chunk_sender.h"
+#include "common/rpc/chunk_calls.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
 

@@ -25,7 +25,7 @@
 #include "common/base/violation_lists.h"
 #include "common/design/template_validation.h"
 #include "common/messages/proto_text.h"
-#include "common/rpc/chunk_sender.h"
+#include "common/rpc/chunk_calls.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/assembly.grpc.pb.h"
 

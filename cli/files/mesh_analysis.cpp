@@ -14,7 +14,7 @@
 #include "common/base/identifiers.h"
 #include "common/base/units.h"
 #include "common/design/metric_registry.h"
-#include "common/rpc/chunk_sender.h"
+#include "common/rpc/chunk_calls.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {

@@ -74,6 +74,17 @@ Eigen::VectorXd ValuesOf(const v1::EvaluationResult& result,
   return values;
 }
 
+// Names the file of an answer, or fails it.
+void ReadFile(const v1::EvaluationResult& result, Answer& answer) {
+  if (!result.design_fields().sha256().empty()) {
+    answer.file = {result.design_fields().sha256(), result.design_fields().size()};
+    return;
+  }
+  answer.status = WithDetail(
+      absl::InternalError("the evaluator gave no shape and fields, which were asked for"),
+      {"FILE_MISSING", ""});
+}
+
 absl::StatusOr<Eigen::MatrixXd> GradientsOf(const v1::EvaluationResult& result,
                                             const v1::EvaluateBatchRequest& question,
                                             Eigen::Index parameters) {
@@ -135,6 +146,7 @@ absl::Status EvaluatorClient::Read(const v1::EvaluationResult& result,
     answer.values = ValuesOf(result, *question_);
     MORTISE_ASSIGN_OR_RETURN(answer.gradients,
                              GradientsOf(result, *question_, batch.designs[i].size()));
+    if (question_->has_design_fields()) ReadFile(result, answer);
   }
   batch.answers[i] = std::move(answer);
   batch.answered[i] = true;

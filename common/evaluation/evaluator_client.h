@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/evaluation/design_file.h"
 #include "common/rpc/channel.h"
 
 namespace mortise::v1 {
@@ -27,6 +29,9 @@ struct Answer {
   Eigen::VectorXd values;  // M, SI units, in the order asked; NaN where the evaluator left one out
   // M x K, SI units; a row of NaN where there is none of that metric, empty where there is no row.
   Eigen::MatrixXd gradients;
+  // Where its shape and fields are, if the question asks for them. A design whose evaluator names
+  // no file then has failed: INTERNAL, FILE_MISSING.
+  std::optional<DesignFile> file;
 };
 
 // Thread safe. A call that fails because the evaluator is away (it restarts, say) is repeated for

@@ -7,7 +7,7 @@
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/host/lease_keeper.h"
-#include "common/rpc/chunk_sender.h"
+#include "common/rpc/chunk_calls.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/retrieval.grpc.pb.h"
 #include "services/retrieval/catalog/template_source.h"

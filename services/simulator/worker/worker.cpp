@@ -13,7 +13,7 @@
 #include "common/base/logging.h"
 #include "common/host/lease_keeper.h"
 #include "common/host/worker_program.h"
-#include "common/rpc/chunk_sender.h"
+#include "common/rpc/chunk_calls.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/worker/task_evaluation.h"
@@ -141,21 +141,12 @@ absl::StatusOr<std::string> Download(const WorkerOptions& options, Stub& stub,
   v1::DownloadBlobRequest request;
   request.set_sha256(sha256);
   const auto reader = stub.DownloadBlob(context.get(), request);
-  std::string bytes;
-  v1::Chunk chunk;
-  while (reader->Read(&chunk)) {
-    if (static_cast<double>(chunk.total_size()) > limit ||
-        static_cast<double>(bytes.size() + chunk.data().size()) > limit) {
-      context->TryCancel();
-      while (reader->Read(&chunk)) {
-      }
-      reader->Finish();
-      return TooLarge("the mesh's file",
-                      absl::StrCat("the ", limit / 1e6, " MB that the worker has room for"));
-    }
-    bytes += chunk.data();
-  }
-  MORTISE_RETURN_IF_ERROR(rpc::FromGrpc(reader->Finish()));
+  MORTISE_ASSIGN_OR_RETURN(
+      std::string bytes,
+      rpc::ReceiveChunks(
+          *context, *reader, static_cast<std::int64_t>(std::min(limit, 1e18)),
+          TooLarge("the mesh's file",
+                   absl::StrCat("the ", limit / 1e6, " MB that the worker has room for"))));
   if (Sha256Hex(bytes) == sha256) return bytes;
   return absl::UnavailableError("the mesh's file did not arrive as it was uploaded");
 }

@@ -185,6 +185,27 @@ TEST_F(EvaluatorClientTest, ADesignThatCannotBeEvaluatedKeepsItsReasonAndTheOthe
   EXPECT_EQ((*answers)[2].values[0], 18);
 }
 
+TEST_F(EvaluatorClientTest, NamesTheFilesOfDesignsAndFailsThoseWithoutOne) {
+  question_.mutable_design_fields()->set_geometry(v1::SURFACE);
+  evaluator_.Then([](auto&, const auto& request, auto& writer) {
+    for (int i = 0; i < 3; ++i) {
+      v1::EvaluationResult result = ResultOf(request, i);
+      if (i != 1) result.mutable_design_fields()->set_sha256("digest " + std::to_string(i));
+      result.mutable_design_fields()->set_size(i == 1 ? 0 : 1000);
+      writer.Write(result);
+    }
+    return grpc::Status::OK;
+  });
+  const auto answers = Evaluate(designs_);
+  ASSERT_TRUE(answers.ok()) << answers.status();
+  EXPECT_EQ((*answers)[0].file->sha256, "digest 0");
+  EXPECT_EQ((*answers)[0].file->size, 1000);
+  EXPECT_EQ((*answers)[2].file->sha256, "digest 2");
+  EXPECT_EQ((*answers)[1].status.code(), absl::StatusCode::kInternal);
+  EXPECT_EQ(DetailOf((*answers)[1].status).reason, "FILE_MISSING");
+  EXPECT_FALSE((*answers)[1].file.has_value());
+}
+
 TEST_F(EvaluatorClientTest, AsksAgainForWhatGotLostAndForNothingElse) {
   evaluator_.Then([](auto&, const auto& request, auto& writer) {
     writer.Write(ResultOf(request, 1));
