@@ -19,15 +19,11 @@ namespace {
 
 constexpr double kSpacing = 0.25;  // of the diagonal
 
-double SpacingFor(const DesignFields& design) {
-  return kSpacing * (design.nodes.rowwise().maxCoeff() - design.nodes.rowwise().minCoeff()).norm();
-}
-
 // Cuts the paths by nodes where points are, and samples their pieces.
 class PathPieces {
  public:
   PathPieces(const DesignFields& design, mesh::ControlVariables& variables)
-      : design_(design), spacing_(SpacingFor(design)), variables_(variables) {
+      : design_(design), spacing_(ControlSpacing(design.nodes)), variables_(variables) {
     for (std::size_t i = 0; i < variables.points.size(); ++i) {
       names_.insert(variables.points[i].name);
       if (variables.points[i].vertex >= 0) {
@@ -127,9 +123,31 @@ mesh::FacedSurface OuterFaces(const DesignFields& design) {
 
 }  // namespace
 
+double ControlSpacing(const Eigen::Matrix3Xd& nodes) {
+  if (nodes.cols() == 0) return 0;
+  return kSpacing * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
+}
+
+void SetControlVariables(const mesh::ControlVariables& variables, DesignFields& design) {
+  design.control_points.clear();
+  design.ways.clear();
+  std::vector<int> kept;  // of each point, its number among those that are kept; else -1
+  for (const mesh::ControlVariables::Point& point : variables.points) {
+    const bool is_kept = point.name.size() <= kMaximumNameLength;
+    kept.push_back(is_kept ? static_cast<int>(design.control_points.size()) : -1);
+    if (is_kept) design.control_points.push_back({point.name, point.position, point.vertex});
+  }
+  for (const mesh::ControlVariables::Path& path : variables.paths) {
+    const int from = kept[static_cast<std::size_t>(path.from)];
+    const int to = kept[static_cast<std::size_t>(path.to)];
+    if (from < 0 || to < 0 || path.edge.size() > kMaximumNameLength) continue;
+    design.ways.push_back({path.edge, from, to, path.way});
+  }
+}
+
 absl::StatusOr<mesh::ControlVariables> ControlVariablesOf(const DesignFields& design) {
   if (design.control_points.empty() && design.paths.empty()) {
-    const double spacing = SpacingFor(design);
+    const double spacing = ControlSpacing(design.nodes);
     if (!(spacing > 0)) return mesh::ControlVariables();
     return mesh::FindControlVariables(OuterFaces(design), spacing);
   }

@@ -13,8 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -22,14 +20,12 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
+#include "common/mesh/edge_sampling.h"
 
 namespace mortise::cad {
 namespace {
 
-constexpr int kMaxSamples = 100000;
-constexpr int kWayPieces = 8;       // of a path, so that it follows its edge
-constexpr int kClosedPieces = 4;    // of a closed edge, at least
-constexpr double kNoLength = 1e-9;  // m
+constexpr int kWayPieces = 8;  // of a path on a curved edge, so that it follows it
 
 std::string JoinSorted(const std::set<std::string>& names) { return absl::StrJoin(names, " & "); }
 
@@ -48,12 +44,12 @@ struct NamedVertex {
 
 class Sampler {
  public:
-  Sampler(const RegeneratedModel& model, double spacing)
-      : shape_(model.solid.kernel().shape), spacing_(spacing) {
-    const std::vector<TopoDS_Face>& faces = model.solid.kernel().faces;
+  Sampler(const Solid& solid, const std::vector<std::vector<std::string>>& face_names,
+          double spacing)
+      : shape_(solid.kernel().shape), spacing_(spacing) {
+    const std::vector<TopoDS_Face>& faces = solid.kernel().faces;
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      std::set<std::string> names;
-      for (const FaceName& name : model.origins[i]) names.insert(ToString(name));
+      const std::set<std::string> names(face_names[i].begin(), face_names[i].end());
       face_names_[faces_.Add(faces[i])] = absl::StrJoin(names, " = ");
     }
   }
@@ -164,58 +160,36 @@ class Sampler {
     return static_cast<int>(variables_.points.size()) - 1;
   }
 
-  absl::Status SampleEdge(const std::string& name, const NamedEdge& edge) {
-    const BRepAdaptor_Curve curve(edge.edge);
-    const double length = GCPnts_AbscissaPoint::Length(curve);
-    if (!(length > kNoLength)) return absl::OkStatus();
-    const bool is_closed = edge.from == edge.to;
-    int pieces = is_closed ? kClosedPieces : 1;
-    while (length / pieces > spacing_) {
-      pieces *= 2;
-      if (static_cast<int>(variables_.points.size()) + pieces > kMaxSamples) {
-        return TooLarge("the samples of the model's edges", absl::StrCat(kMaxSamples, " points"));
-      }
-    }
-    const bool is_backward = (edge.edge.Orientation() == TopAbs_REVERSED) !=
-                             (!is_closed && FirstNameOf(edge.to) < FirstNameOf(edge.from));
-    const auto at = [&](double share) {
-      const double along = (is_backward ? 1 - share : share) * length;
-      const double parameter =
-          GCPnts_AbscissaPoint(curve, along, curve.FirstParameter()).Parameter();
-      const gp_Pnt place = curve.Value(parameter);
-      return Eigen::Vector3d(place.X(), place.Y(), place.Z());
-    };
-    const int low = FirstNameOf(edge.to) < FirstNameOf(edge.from) ? edge.to : edge.from;
-    const int high = low == edge.from ? edge.to : edge.from;
-    std::vector<int> points;
-    for (int i = 0; i <= pieces; ++i) {
-      const bool is_end = i == 0 || i == pieces;
-      if (is_end && !is_closed) {
-        const auto end = point_of_vertex_.find(i == 0 ? low : high);
-        points.push_back(end == point_of_vertex_.end() ? -1 : end->second);
-      } else if (i == pieces) {
-        points.push_back(points.front());
-      } else {
-        const int divisor = std::gcd(i, pieces);
-        const std::string place = absl::StrCat(" at ", i / divisor, "/", pieces / divisor);
-        points.push_back(AddPoint(name + place, at(static_cast<double>(i) / pieces)));
-      }
-    }
-    for (int i = 0; i < pieces; ++i) AddPath(name, points, i, at);
-    return absl::OkStatus();
+  int PointOf(int vertex) const {
+    const auto point = point_of_vertex_.find(vertex);
+    return point == point_of_vertex_.end() ? -1 : point->second;
   }
 
-  template <typename At>
-  void AddPath(const std::string& name, const std::vector<int>& points, int piece, const At& at) {
-    const auto index = static_cast<std::size_t>(piece);
-    if (points[index] < 0 || points[index + 1] < 0) return;
-    const auto pieces = static_cast<double>(points.size() - 1);
-    mesh::ControlVariables::Path path{name, points[index], points[index + 1], {}};
-    path.way.resize(3, kWayPieces + 1);
-    for (int k = 0; k <= kWayPieces; ++k) {
-      path.way.col(k) = at((piece + static_cast<double>(k) / kWayPieces) / pieces);
+  absl::Status SampleEdge(const std::string& name, const NamedEdge& edge) {
+    const BRepAdaptor_Curve curve(edge.edge);
+    mesh::NamedEdge sampled;
+    sampled.name = name;
+    sampled.length = GCPnts_AbscissaPoint::Length(curve);
+    sampled.is_closed = edge.from == edge.to;
+    const bool ends_low = !sampled.is_closed && FirstNameOf(edge.to) < FirstNameOf(edge.from);
+    if (!sampled.is_closed) {
+      sampled.from = PointOf(ends_low ? edge.to : edge.from);
+      sampled.to = PointOf(ends_low ? edge.from : edge.to);
     }
-    variables_.paths.push_back(std::move(path));
+    const bool is_backward = (edge.edge.Orientation() == TopAbs_REVERSED) != ends_low;
+    const int pieces = curve.GetType() == GeomAbs_Line ? 1 : kWayPieces;
+    sampled.way = [&curve, is_backward, pieces, length = sampled.length](double from, double to) {
+      Eigen::Matrix3Xd way(3, pieces + 1);
+      for (int k = 0; k <= pieces; ++k) {
+        const double share = from + (to - from) * k / pieces;
+        const double along = (is_backward ? 1 - share : share) * length;
+        const gp_Pnt place =
+            curve.Value(GCPnts_AbscissaPoint(curve, along, curve.FirstParameter()).Parameter());
+        way.col(k) << place.X(), place.Y(), place.Z();
+      }
+      return way;
+    };
+    return mesh::SampleEdge(sampled, spacing_, variables_);
   }
 
   TopoDS_Shape shape_;
@@ -230,17 +204,27 @@ class Sampler {
 
 }  // namespace
 
-absl::StatusOr<mesh::ControlVariables> FindControlVariables(const RegeneratedModel& model,
-                                                            double spacing) {
+absl::StatusOr<mesh::ControlVariables> FindControlVariables(
+    const Solid& solid, const std::vector<std::vector<std::string>>& face_names, double spacing) {
   if (!std::isfinite(spacing) || spacing <= 0) {
     return InvalidField("spacing", absl::StrCat("is ", spacing, " m, not positive"));
   }
   try {
-    return Sampler(model, spacing).Sample();
+    return Sampler(solid, face_names, spacing).Sample();
   } catch (const Standard_Failure& failure) {
     return KernelFailure("sampling the edges of a solid",
                          failure.GetMessageString() ? failure.GetMessageString() : "");
   }
+}
+
+absl::StatusOr<mesh::ControlVariables> FindControlVariables(const RegeneratedModel& model,
+                                                            double spacing) {
+  std::vector<std::vector<std::string>> names;
+  for (const std::vector<FaceName>& origins : model.origins) {
+    std::vector<std::string>& of_face = names.emplace_back();
+    for (const FaceName& name : origins) of_face.push_back(ToString(name));
+  }
+  return FindControlVariables(model.solid, names, spacing);
 }
 
 }  // namespace mortise::cad

@@ -19,6 +19,7 @@
 #include "common/fem/problems/heat_conduction.h"
 #include "common/fem/problems/modal_analysis.h"
 #include "common/fem/stress/error_estimate.h"
+#include "common/mesh/control_variables.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "services/simulator/airflow/airflow.h"
@@ -42,6 +43,8 @@ struct DesignModel {
   std::optional<double> reference_temperature = {};
   // What the conditions that act on faces are called, and on which.
   std::vector<std::pair<std::string, mesh::NamedFace>> condition_faces = {};
+  // Vertices and edges of the solid that it is; of other designs, the faces of `surface` tell.
+  std::optional<mesh::ControlVariables> control_variables = {};
 };
 
 // Whether anything in the model causes stress: a load, a support that is moved, or temperatures.

@@ -7,6 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/fields/control_variables.h"
+#include "common/mesh/face_edges.h"
 #include "services/simulator/analysis/case_outcome.h"
 #include "services/simulator/analysis/place_functions.h"
 
@@ -14,6 +16,7 @@ namespace mortise::simulator {
 namespace {
 
 constexpr std::size_t kNamesTold = 20;
+constexpr double kSamePlace = 1e-5;  // of the spacing of control points
 
 const FieldDescription* FindField(const std::string& name) {
   for (const FieldDescription& field : OfferedFields()) {
@@ -188,6 +191,44 @@ void KeepSurface(fields::DesignFields& design) {
   }
 }
 
+// Finds which points lie at corners of triangles, but for the kernel's tolerance.
+void FindNodes(const fields::DesignFields& design, mesh::ControlVariables& variables) {
+  std::vector<std::pair<double, int>> corners;  // x, node
+  for (const int node : design.triangles.topRows<3>().reshaped()) {
+    corners.emplace_back(design.nodes(0, node), node);
+  }
+  std::sort(corners.begin(), corners.end());
+  const double tolerance = kSamePlace * fields::ControlSpacing(design.nodes);
+  for (mesh::ControlVariables::Point& point : variables.points) {
+    double nearest = tolerance;
+    auto corner = std::lower_bound(corners.begin(), corners.end(),
+                                   std::pair(point.position.x() - tolerance, -1));
+    for (; corner != corners.end() && corner->first <= point.position.x() + tolerance; ++corner) {
+      const double distance = (design.nodes.col(corner->second) - point.position).norm();
+      if (distance >= nearest) continue;
+      nearest = distance;
+      point.vertex = corner->second;
+    }
+  }
+}
+
+// Of the solid, or else of the faces that triangles lie on; `design` has its nodes and triangles. A
+// design with more of them than can be kept has none, which is no reason to fail.
+void AddControlVariables(const DesignModel& model, const Faceted& faceted,
+                         fields::DesignFields& design) {
+  if (model.control_variables) {
+    mesh::ControlVariables variables = *model.control_variables;
+    FindNodes(design, variables);
+    fields::SetControlVariables(variables, design);
+    return;
+  }
+  const auto variables = mesh::FindControlVariables(
+      mesh::OuterFaces(design.nodes, design.triangles, faceted.triangle_face, faceted.faces,
+                       design.parts),
+      fields::ControlSpacing(design.nodes));
+  if (variables.ok()) fields::SetControlVariables(*variables, design);
+}
+
 absl::Status CheckOnSurface(const FieldsDemand& demand) {
   for (std::size_t i = 0; i < demand.fields.size(); ++i) {
     const FieldDescription* const field = FindField(demand.fields[i]);
@@ -253,6 +294,7 @@ absl::StatusOr<fields::DesignFields> CollectFields(const DesignModel& model,
   MORTISE_ASSIGN_OR_RETURN(design.regions, RegionsOf(model, faceted, demand.regions));
   AddFields(model, analysis, demand, design);
   if (!demand.tetrahedra) KeepSurface(design);
+  AddControlVariables(model, faceted, design);
   return design;
 }
 

@@ -48,6 +48,10 @@ void DemandFields(const FieldsDemand& demand, DesignAnalysisOptions& options);
 // Regions are called by the names of conditions that act on a face, then by those of faces, as
 // FindFace finds them. Those that have other parts in front are all there: `triangle_front` tells.
 //
+// Control points and ways are those of the model, or else those of the outer surface where faces
+// meet (mesh/face_edges.h); regions that are asked for have no part in it. Beyond 100,000 points
+// there are none.
+//
 // INVALID_ARGUMENT naming "design_fields.regions[i]" for one that the design has not, or
 // "design_fields.fields[i]" for fields of elements without tetrahedra.
 absl::StatusOr<fields::DesignFields> CollectFields(const DesignModel& model,

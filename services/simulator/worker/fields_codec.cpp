@@ -37,7 +37,7 @@ v1::DesignFields Describe(const fields::DesignFields& design, const std::string&
     }
   }
   message.set_control_points(std::ssize(design.control_points));
-  message.set_paths(std::ssize(design.paths));
+  message.set_paths(std::ssize(design.paths) + std::ssize(design.ways));
   return message;
 }
 

@@ -310,9 +310,10 @@ absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
   }
   // Before the parts are fused, which takes a while and would fail for every design alike.
   MORTISE_RETURN_IF_ERROR(CheckConditions(task, demands, design));
-  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
-                           MakeDesignModel(function, subject.parameters, design,
-                                           {demands.surface, task.mesh().element_size()}));
+  MORTISE_ASSIGN_OR_RETURN(
+      const DesignModel model,
+      MakeDesignModel(function, subject.parameters, design,
+                      {demands.surface, task.mesh().element_size(), task.has_design_fields()}));
   MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
   DesignMotion motion;
   if (task.gradients()) {

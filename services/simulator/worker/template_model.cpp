@@ -11,7 +11,9 @@
 #include "common/cad/surface/assembly_surface.h"
 #include "common/design/costs/design_cost.h"
 #include "common/design/part_shapes.h"
+#include "common/fields/control_variables.h"
 #include "common/mesh/measures/inside_point.h"
+#include "common/templates/features/edge_samples.h"
 #include "services/simulator/worker/design_conditions.h"
 
 namespace mortise::simulator {
@@ -228,6 +230,24 @@ absl::StatusOr<mesh::AssemblySurface> SurfaceOf(const templates::Template& funct
   return FuseShapes(*drawn, design, bearing, element_size);
 }
 
+// The vertices and edges of a design that is one solid by itself.
+std::optional<mesh::ControlVariables> ControlVariablesOf(const templates::Template& function,
+                                                         const Eigen::VectorXd& parameters,
+                                                         const EvaluatedDesign& bearing,
+                                                         double spacing) {
+  if (bearing.parts.size() != 1 || !bearing.parts[0].faceted || !function.HasExactSurfaces()) {
+    return std::nullopt;
+  }
+  const auto drawn = function.AssemblyAt(parameters);
+  if (!drawn.ok() || drawn->has_value()) return std::nullopt;
+  const auto solids = function.Solids(parameters);
+  if (!solids.ok()) return std::nullopt;
+  auto variables =
+      cad::FindControlVariables(solids->front(), bearing.parts[0].faceted->face_names, spacing);
+  if (!variables.ok()) return std::nullopt;
+  return *std::move(variables);
+}
+
 // What conducts heat must say how well.
 absl::Status CheckConducts(const DesignModel& model, const EvaluatedDesign& bearing) {
   for (std::size_t p = 0; p < model.analysis.materials.size(); ++p) {
@@ -257,6 +277,10 @@ absl::StatusOr<DesignModel> MakeDesignModel(const templates::Template& function,
   if (joining.is_wanted) {
     MORTISE_ASSIGN_OR_RETURN(
         model.surface, SurfaceOf(function, parameters, design, bearing, joining.element_size));
+    if (joining.control_variables) {
+      model.control_variables = ControlVariablesOf(function, parameters, bearing,
+                                                   fields::ControlSpacing(model.surface.vertices));
+    }
   }
   MORTISE_RETURN_IF_ERROR(AddConditions(bearing, model));
   if (model.heat) {

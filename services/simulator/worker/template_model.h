@@ -11,6 +11,7 @@ namespace mortise::simulator {
 struct Joining {
   bool is_wanted = true;
   double element_size = 0;  // m, of the mesh to be made of it; 0 for mesh::DefaultElementSize
+  bool control_variables = false;  // whether those of a solid are wanted
 };
 
 // Fuses the parts of `design`, which is `function` at `parameters`, looks up what they are made of,
@@ -19,7 +20,8 @@ struct Joining {
 // the part's item says; where there is no item it is taken as isotropic. What only connects parts
 // is left out: they are bonded where they touch. Without `joining.is_wanted` the parts are not
 // fused, which may take a second, and there is no surface. What is round gets triangles for
-// elements of the size (cad::FuseOptions).
+// elements of the size (cad::FuseOptions). Control variables are those of a design that is one
+// solid; where the kernel cannot find them there are none.
 //
 // Fails as cad::FuseAssembly and Template::Solids do; FAILED_PRECONDITION, NO_MATERIAL, naming a
 // part of which nobody says what it is made of; NO_CONDUCTIVITY, naming the material of a part that

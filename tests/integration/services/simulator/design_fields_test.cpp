@@ -156,6 +156,9 @@ TEST_F(DesignFieldsTest, TheFileHasTheMeshAndTheFieldsThatTheMetricsAreOf) {
     EXPECT_THAT(told.regions(), Contains(condition.name()));
   }
   EXPECT_THAT(told.regions(), Contains("top/cap"));
+  EXPECT_GE(told.control_points(), 40);
+  EXPECT_EQ(told.control_points(), std::ssize(design->control_points));
+  EXPECT_EQ(told.paths(), std::ssize(design->ways));
   ASSERT_EQ(design->fields.size(), 2u);
   EXPECT_EQ(design->fields[0].unit, "Pa");
   EXPECT_EQ(design->fields[0].values.maxCoeff(), ValueOf(result, "max_von_mises"));
