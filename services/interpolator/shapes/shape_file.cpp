@@ -1,5 +1,6 @@
 #include "services/interpolator/shapes/shape_file.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -146,8 +147,12 @@ absl::StatusOr<std::string> WriteShape(const PackedShape& shape, const Canonical
 absl::StatusOr<PackedShape> ReadShape(std::string_view bytes, const CanonicalMesh& mesh) {
   const std::size_t size = ContentSize(mesh);
   const auto limit = static_cast<std::int64_t>(size);
-  MORTISE_ASSIGN_OR_RETURN(const std::string content, Expand(kLetters, bytes, limit, "shape"));
-  if (content.size() != size) return InvalidField("shape", "is of another mesh");
+  auto expanded = Expand(kLetters, bytes, limit, "shape");
+  if (!expanded.ok() && !absl::IsResourceExhausted(expanded.status())) return expanded.status();
+  if (!expanded.ok() || expanded->size() != size) {
+    return InvalidField("shape", "is of another mesh");
+  }
+  const std::string content = *std::move(expanded);
   MORTISE_ASSIGN_OR_RETURN(const Numbers reference, ReferenceOf(mesh));
   Taking rest(content);
   PackedShape shape;
