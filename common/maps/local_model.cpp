@@ -28,23 +28,19 @@ Eigen::VectorXd Terms(const Eigen::VectorXd& z) {
 
 }  // namespace
 
-Eigen::MatrixXd BendingOver(const LatticeBox& box, int dimension, int outputs,
-                            const KnownPoints& points, const std::vector<int>& numbers) {
-  const Eigen::Index size = CountOfTerms(dimension);
+Eigen::MatrixXd BendingOver(const ElementBox& box, const Eigen::MatrixXd& points,
+                            const Eigen::MatrixXd& values) {
+  const Eigen::Index dimension = points.rows(), size = CountOfTerms(dimension);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(size, outputs);
-  Eigen::VectorXd z(dimension);
-  for (const int number : numbers) {
-    const LatticePoint& position = points.PositionOf(number);
-    for (int d = 0; d < dimension; ++d) {
-      const double edge = box.high[d] - box.low[d];
-      z[d] = (position[d] - box.low[d]) / edge - 0.5;
-    }
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(size, values.rows());
+  const Eigen::VectorXd edges = box.high - box.low;
+  for (Eigen::Index n = 0; n < points.cols(); ++n) {
+    const Eigen::VectorXd z = (points.col(n) - box.low).cwiseQuotient(edges).array() - 0.5;
     const Eigen::VectorXd terms = Terms(z);
-    const double closeness = 1 / (1 + 4 * z.squaredNorm() / dimension);
+    const double closeness = 1 / (1 + 4 * z.squaredNorm() / static_cast<double>(dimension));
     const double weight = closeness * closeness;
     normal += weight * terms * terms.transpose();
-    right += weight * terms * points.ValuesOf(number).transpose();
+    right += weight * terms * values.col(n).transpose();
   }
   const double scale = normal(0, 0);
   normal.diagonal().array() += kLinearPenalty * scale;

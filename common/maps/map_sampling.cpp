@@ -239,6 +239,11 @@ const std::vector<int>& MapSampling::ProbesOf(int element) const {
   return state_->ProbesOf(element);
 }
 
+std::vector<int> MapSampling::ElementsAround(int number) const {
+  const LatticePoint& position = state_->points().PositionOf(number);
+  return tree().elements().Touching({position, position});
+}
+
 Eigen::VectorXd MapSampling::PositionOf(int number) const {
   return UnitPosition(state_->points().PositionOf(number), tree().dimension());
 }

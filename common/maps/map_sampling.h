@@ -165,6 +165,8 @@ class MapSampling {
   int PointOfSample(int sample) const;
   // The points that an element's error is measured at: they lie in it and are no samples.
   const std::vector<int>& ProbesOf(int element) const;
+  // The elements that a point lies in or touches, ascending.
+  std::vector<int> ElementsAround(int number) const;
   // Where a point is, in the unit box.
   Eigen::VectorXd PositionOf(int number) const;
   // Whether a point has been told as a failure.

@@ -306,9 +306,15 @@ Eigen::VectorXd MapSampling::State::DirectionScores(int element) const {
       (measured.outside.failed || measured.outside.error >= ErrorOfOutputs(measured, scale))) {
     return measured.outside.bending.size() == 0 ? none : measured.outside.bending;
   }
+  const std::vector<int> around = PointsAround(element);
+  Eigen::MatrixXd places(dimension, around.size()), values(outputs_, around.size());
+  for (std::size_t n = 0; n < around.size(); ++n) {
+    const auto column = static_cast<Eigen::Index>(n);
+    places.col(column) = UnitPosition(points_.PositionOf(around[n]), dimension);
+    values.col(column) = points_.ValuesOf(around[n]);
+  }
   Eigen::VectorXd score = none;
-  const Eigen::MatrixXd bending =
-      BendingOver(tree_.LatticeBoxOf(element), dimension, outputs_, points_, PointsAround(element));
+  const Eigen::MatrixXd bending = BendingOver(tree_.BoxOf(element), places, values);
   for (int o = 0; o < outputs_; ++o) {
     const double floor = options_.noise_floor.empty() ? 0 : options_.noise_floor[o];
     if (scale[o] <= 0 || measured.errors[o] <= floor) continue;

@@ -15,20 +15,6 @@ constexpr std::chrono::milliseconds kCancelPoll{100};
 
 using Clock = std::chrono::steady_clock;
 
-// An evaluator that gives no number has failed, whatever it says.
-DesignAnswer Checked(DesignAnswer answer, const std::vector<PlannedMetric>& metrics) {
-  if (!answer.status.ok()) return answer;
-  for (std::size_t i = 0; i < metrics.size(); ++i) {
-    if (std::isfinite(answer.values[static_cast<Eigen::Index>(i)])) continue;
-    answer.status =
-        WithDetail(absl::InternalError(absl::StrCat("the evaluator left out '", metrics[i].name,
-                                                    "', or gave a value that is not finite")),
-                   {"NOT_FINITE", ""});
-    return answer;
-  }
-  return answer;
-}
-
 }  // namespace
 
 const char* StopReasonName(StopReason reason) {
@@ -51,6 +37,7 @@ absl::StatusOr<std::unique_ptr<MapBuilding>> MapBuilding::Create(const MapPlan& 
   const auto structures = static_cast<int>(plan.structures.cols());
   for (int s = 0; s < structures; ++s) {
     maps::MapSamplingOptions sampling = options.sampling;
+    sampling.errors_from_outside = options.shapes.has_value();
     // What does not divide evenly goes to the first ones.
     sampling.budget = plan.evaluations / structures + (s < plan.evaluations % structures ? 1 : 0);
     MORTISE_ASSIGN_OR_RETURN(
@@ -59,11 +46,17 @@ absl::StatusOr<std::unique_ptr<MapBuilding>> MapBuilding::Create(const MapPlan& 
                                   static_cast<int>(plan.metrics.size()), sampling));
     building->structures_.push_back(std::make_unique<maps::MapSampling>(std::move(created)));
   }
+  if (options.shapes) {
+    building->shapes_ = std::make_unique<ShapeBuilding>(
+        *options.shapes, building->structures_,
+        [mailbox = &building->mailbox_](Event event) { mailbox->Put(std::move(event)); });
+  }
   return building;
 }
 
-absl::Status MapBuilding::Run(const KnownAnswers& known, KnownShapes /*known_shapes*/) {
+absl::Status MapBuilding::Run(const KnownAnswers& known, KnownShapes known_shapes) {
   ThreadPool lanes(std::max(1, options_.lanes));
+  if (shapes_) shapes_->SetKnown(std::move(known_shapes));
   const absl::Status status = RunToItsEnd(known, lanes);
   if (!status.ok()) {
     if (options_.interrupt) options_.interrupt();
@@ -77,19 +70,34 @@ absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lan
   if (!known.empty()) MORTISE_RETURN_IF_ERROR(Replay(known));
   Clock::time_point answered = Clock::now(), told = answered;
   while (true) {
-    if (StopWhenAsked() && options_.interrupt) options_.interrupt();
+    if (StopWhenAsked()) {
+      if (options_.interrupt) options_.interrupt();
+      if (shapes_) shapes_->Stop();
+    }
     MORTISE_RETURN_IF_ERROR(FillLanes(known, lanes));
-    if (under_way_ == 0) return absl::OkStatus();
-    std::optional<absl::StatusOr<Batch>> batch = mailbox_.Take(kCancelPoll);
+    if (IsIdle()) return absl::OkStatus();
+    const bool is_asking = under_way_ > 0;
+    const std::optional<Event> event = mailbox_.Take(kCancelPoll);
     const Clock::time_point now = Clock::now();
-    if (batch) {
+    if (event) MORTISE_RETURN_IF_ERROR(Happen(*event));
+    if (event || !is_asking) {
       answered = told = now;
-      MORTISE_RETURN_IF_ERROR(Receive(*std::move(batch)));
     } else if (options_.waiting && !is_stopped_ && now - told >= options_.quiet) {
       told = now;
       options_.waiting(std::chrono::duration_cast<std::chrono::seconds>(now - answered));
     }
   }
+}
+
+// With all else that has come, so that it is kept together.
+absl::Status MapBuilding::Happen(const Event& first) {
+  MORTISE_RETURN_IF_ERROR(first());
+  while (const std::optional<Event> next = mailbox_.Take(std::chrono::milliseconds(0))) {
+    MORTISE_RETURN_IF_ERROR((*next)());
+  }
+  if (shapes_) MORTISE_RETURN_IF_ERROR(is_stopped_ ? shapes_->Keep() : shapes_->GoOn());
+  TellProgress();
+  return absl::OkStatus();
 }
 
 // Whether it is stopped from now on.
@@ -131,7 +139,9 @@ absl::Status MapBuilding::FillLanes(const KnownAnswers& known, ThreadPool& lanes
     }
     if (batch.empty()) return absl::OkStatus();
     ++under_way_;
-    lanes.Submit([this, batch = std::move(batch)] { mailbox_.Put(Evaluate(batch)); });
+    lanes.Submit([this, batch = std::move(batch)] {
+      mailbox_.Put([this, answered = Evaluate(batch)] { return Receive(answered); });
+    });
   }
   return absl::OkStatus();
 }
@@ -149,15 +159,23 @@ absl::StatusOr<std::vector<MapBuilding::Asked>> MapBuilding::NextBatch(const Kno
     for (const maps::AskedPoint& point : asked) {
       Asked each{{static_cast<int>(structure), point.number},
                  plan_.DesignAt(static_cast<Eigen::Index>(structure), point.position)};
-      const auto found = known.find(each.key);
-      if (found == known.end()) {
+      const DesignAnswer* const answer = FindAnswer(known, each.key);
+      if (answer == nullptr) {
         batch.push_back(std::move(each));
       } else {
-        MORTISE_RETURN_IF_ERROR(Tell(each, found->second));
+        MORTISE_RETURN_IF_ERROR(Tell(each, *answer));
       }
     }
   }
   return batch;
+}
+
+// Null where it is not known, or lacks the file that this map needs.
+const DesignAnswer* MapBuilding::FindAnswer(const KnownAnswers& known, const DesignKey& key) const {
+  const auto found = known.find(key);
+  if (found == known.end()) return nullptr;
+  const DesignAnswer& answer = found->second;
+  return shapes_ && answer.status.ok() && answer.file.empty() ? nullptr : &answer;
 }
 
 absl::StatusOr<MapBuilding::Batch> MapBuilding::Evaluate(const std::vector<Asked>& asked) const {
@@ -170,23 +188,43 @@ absl::StatusOr<MapBuilding::Batch> MapBuilding::Evaluate(const std::vector<Asked
   }
   Batch batch;
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    batch.emplace_back(asked[i], Checked(std::move(answers[i]), plan_.metrics));
+    MORTISE_ASSIGN_OR_RETURN(DesignAnswer checked, Checked(std::move(answers[i])));
+    batch.emplace_back(asked[i], std::move(checked));
   }
   return batch;
+}
+
+// An evaluator that gives no number, or no shape, has failed, whatever it says.
+absl::StatusOr<DesignAnswer> MapBuilding::Checked(DesignAnswer answer) const {
+  for (std::size_t i = 0; answer.status.ok() && i < plan_.metrics.size(); ++i) {
+    if (std::isfinite(answer.values[static_cast<Eigen::Index>(i)])) continue;
+    answer.status = WithDetail(
+        absl::InternalError(absl::StrCat("the evaluator left out '", plan_.metrics[i].name,
+                                         "', or gave a value that is not finite")),
+        {"NOT_FINITE", ""});
+  }
+  if (!shapes_ || !answer.status.ok()) return answer;
+  if (answer.file.empty()) {
+    answer.status =
+        WithDetail(absl::InternalError("the evaluator gave no shape"), {"FILE_MISSING", ""});
+    return answer;
+  }
+  MORTISE_RETURN_IF_ERROR(shapes_->CheckDesign(answer.file, answer.status));
+  return answer;
 }
 
 absl::Status MapBuilding::Receive(absl::StatusOr<Batch> batch) {
   --under_way_;
   // Of a call that was interrupted.
-  if (is_stopped_ && !batch.ok()) return absl::OkStatus();
+  if ((is_stopped_ || has_failed_) && !batch.ok()) return absl::OkStatus();
   MORTISE_RETURN_IF_ERROR(batch.status());
   if (options_.keep) {
     KnownAnswers answers;
     for (const auto& [asked, answer] : *batch) answers[asked.key] = answer;
     MORTISE_RETURN_IF_ERROR(options_.keep(answers));
   }
+  if (has_failed_) return absl::OkStatus();
   for (const auto& [asked, answer] : *batch) MORTISE_RETURN_IF_ERROR(Tell(asked, answer));
-  TellProgress();
   return options_.judge ? options_.judge(Counts()) : absl::OkStatus();
 }
 
@@ -211,40 +249,44 @@ absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
       answer.status.ok()
           ? structures_[structure]->Tell(static_cast<int>(asked.key.number), answer.values)
           : structures_[structure]->TellFailure(static_cast<int>(asked.key.number), answer.status);
-  if (told.ok()) return told;
-  return absl::DataLossError(
-      absl::StrCat("the answers that were kept are of another map: ", told.message()));
+  if (!told.ok()) {
+    return absl::DataLossError(
+        absl::StrCat("the answers that were kept are of another map: ", told.message()));
+  }
+  if (!shapes_ || is_stopped_) return absl::OkStatus();
+  return shapes_->Told(asked.key.structure, static_cast<int>(asked.key.number),
+                       answer.status.ok() ? answer.file : "");
 }
 
-// After a failure: what other calls have found meanwhile need not be evaluated again.
+// After a failure: what other calls have found meanwhile need not be found again. The failure that
+// is told is the first.
 void MapBuilding::KeepWhatIsUnderWay() {
-  while (under_way_ > 0) {
-    const std::optional<absl::StatusOr<Batch>> batch = mailbox_.Take(kCancelPoll);
-    if (!batch) continue;
-    --under_way_;
-    if (!batch->ok() || !options_.keep) continue;
-    KnownAnswers answers;
-    for (const auto& [asked, answer] : **batch) answers[asked.key] = answer;
-    // The failure that is told is the first.
-    options_.keep(answers).IgnoreError();
+  has_failed_ = true;
+  if (shapes_) shapes_->Stop();
+  while (!IsIdle()) {
+    if (const std::optional<Event> event = mailbox_.Take(kCancelPoll)) (*event)().IgnoreError();
   }
+  if (shapes_) shapes_->Keep().IgnoreError();
 }
 
 // 0 where nothing is measured yet.
-double MapBuilding::LargestOf(const maps::MapErrors& errors) const {
-  return maps::RelativeError(errors.largest, options_.sampling.noise_floor, errors.range);
+double MapBuilding::LargestOf(const maps::MapSamplingProgress& progress) const {
+  return std::max(progress.outside_error,
+                  maps::RelativeError(progress.errors.largest, options_.sampling.noise_floor,
+                                      progress.errors.range));
 }
 
 absl::StatusOr<std::optional<ShapedStructure>> MapBuilding::ShapesOf(std::size_t structure) const {
   MORTISE_RETURN_IF_ERROR(structures_[structure]->Content().status());
-  return std::nullopt;
+  if (!shapes_) return std::nullopt;
+  MORTISE_ASSIGN_OR_RETURN(ShapedStructure result, shapes_->Result(structure));
+  return std::optional<ShapedStructure>(std::move(result));
 }
 
 StopReason MapBuilding::ReasonOf(std::size_t structure) const {
   if (!structures_[structure]->Done()) return stopped_by_;
-  const maps::MapErrors errors = structures_[structure]->Progress().errors;
-  return LargestOf(errors) <= options_.sampling.tolerance ? StopReason::kConverged
-                                                          : StopReason::kBudget;
+  const double error = LargestOf(structures_[structure]->Progress());
+  return error <= options_.sampling.tolerance ? StopReason::kConverged : StopReason::kBudget;
 }
 
 BuildProgress MapBuilding::Counts() const {
@@ -263,7 +305,13 @@ BuildProgress MapBuilding::progress() const {
     const maps::MapSamplingProgress now = structure->Progress();
     progress.elements += now.elements;
     progress.is_measured = progress.is_measured || now.errors.probes > 0;
-    progress.error = std::max(progress.error, LargestOf(now.errors));
+    progress.error = std::max(progress.error, LargestOf(now));
+  }
+  if (shapes_) {
+    progress.meshes = shapes_->mesh_count();
+    progress.shapes = shapes_->work().mapped();
+    progress.to_map = shapes_->work().to_map();
+    progress.unmapped = shapes_->work().failed();
   }
   return progress;
 }

@@ -21,6 +21,7 @@
 #include "common/maps/map_sampling.h"
 #include "services/interpolator/building/known_shapes.h"
 #include "services/interpolator/building/map_plan.h"
+#include "services/interpolator/building/shape_building.h"
 #include "services/interpolator/building/shape_options.h"
 #include "services/interpolator/building/shaped_structure.h"
 
@@ -62,7 +63,7 @@ struct BuildProgress {
   int meshes = 0;             // canonical ones
   std::int64_t shapes = 0;    // designs brought into them, each into one mesh
   std::int64_t to_map = 0;    // designs that are still to be, as far as is known
-  std::int64_t unmapped = 0;  // that could not be
+  std::int64_t unmapped = 0;  // that could not be, likewise
 };
 
 struct BuildOptions {
@@ -122,6 +123,9 @@ class MapBuilding {
   };
   using Batch = std::vector<std::pair<Asked, DesignAnswer>>;
 
+  // Something that is to happen on the thread that runs the build.
+  using Event = std::function<absl::Status()>;
+
   MapBuilding(const MapPlan& plan, const BuildOptions& options) : plan_(plan), options_(options) {}
 
   bool StopWhenAsked();
@@ -129,11 +133,15 @@ class MapBuilding {
   absl::Status Replay(const KnownAnswers& known);
   absl::Status FillLanes(const KnownAnswers& known, ThreadPool& lanes);
   absl::StatusOr<std::vector<Asked>> NextBatch(const KnownAnswers& known);
+  const DesignAnswer* FindAnswer(const KnownAnswers& known, const DesignKey& key) const;
   absl::StatusOr<Batch> Evaluate(const std::vector<Asked>& asked) const;
+  absl::StatusOr<DesignAnswer> Checked(DesignAnswer answer) const;
   absl::Status Receive(absl::StatusOr<Batch> batch);
+  absl::Status Happen(const Event& first);
+  bool IsIdle() const { return under_way_ == 0 && (shapes_ == nullptr || shapes_->IsIdle()); }
   absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
   void TellProgress();
-  double LargestOf(const maps::MapErrors& errors) const;
+  double LargestOf(const maps::MapSamplingProgress& progress) const;
   BuildProgress Counts() const;  // without errors and elements
   void KeepWhatIsUnderWay();
   absl::Status RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes);
@@ -150,7 +158,9 @@ class MapBuilding {
       waiting_;  // what was asked while answers were told that were known
   bool is_stopped_ = false;
   StopReason stopped_by_ = StopReason::kCancelled;
-  Mailbox<absl::StatusOr<Batch>> mailbox_;
+  bool has_failed_ = false;  // then answers are kept and no more
+  Mailbox<Event> mailbox_;
+  std::unique_ptr<ShapeBuilding> shapes_;  // null without shapes
 };
 
 }  // namespace mortise::interpolator

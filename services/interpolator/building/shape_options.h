@@ -25,7 +25,7 @@ struct ShapeOptions {
   int threads = 1;                  // that map. Their number does not change the map.
   // Bytes of designs, meshes and shapes that are kept in memory; what is in use comes on top.
   std::size_t memory = std::size_t{512} << 20;
-  BringOptions bring;
+  MeshMapOptions mapping;  // how designs are brought into canonical meshes
   // Keeps bytes; returns the digest by which `get` gives them back. Both are called by several
   // threads at once. A failure stops the build as if the evaluator were lost.
   std::function<absl::StatusOr<std::string>(const std::string& bytes)> put;

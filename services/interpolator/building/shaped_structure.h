@@ -30,8 +30,8 @@ struct ShapedStructure {
   };
   // How far interpolation was off at probes, figure by figure the largest of them.
   struct Errors {
-    Spread shape;                // m
-    std::vector<Spread> fields;  // SI units, in the order of `fields`
+    Spread shape{};                // m
+    std::vector<Spread> fields{};  // SI units, in the order of `fields`
   };
 
   std::vector<Mesh> meshes;  // those that elements have; the same fields in all of them
