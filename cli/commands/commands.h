@@ -22,6 +22,7 @@ void AddParetoExploreCommands(CLI::App& pareto, Session& session);   // of those
 void AddMapCommands(CLI::App& app, Session& session);         // map build|evaluate|optimize|…
 void AddMapBuildCommand(CLI::App& map, Session& session);     // of those
 void AddMapEvaluateCommand(CLI::App& map, Session& session);  // of those
+void AddMapExploreCommand(CLI::App& map, Session& session);   // of those
 void AddMapOptimizeCommand(CLI::App& map, Session& session);  // of those
 void AddComposeHistoryCommand(CLI::App& compose, Session& session);  // of those
 void AddComposeCommands(CLI::App& app, Session& session);            // compose new|add|snap …

@@ -1,0 +1,198 @@
+// Reads the map that the page carries, and keeps its parts together: a change anywhere sets the design,
+// and the design sets all that is shown.
+
+import { DesignSpace, readHash, writeHash } from "./design_state.mjs";
+import { makeControls, makeMetrics } from "./design_panel.mjs";
+import { copy, designAsCsv, designAsJson, download } from "./downloads.mjs";
+import { byId, element } from "./elements.mjs";
+import { MapTree } from "./map_tree.mjs";
+import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
+import { readPack } from "./packed_numbers.mjs";
+import { isSelfTest, runSelfTest } from "./self_test.mjs";
+import { ShapePanel } from "./shape_panel.mjs";
+import { makeSlices, sliceAlong } from "./slices.mjs";
+import { SurfaceShapes } from "./surface_shapes.mjs";
+
+const faults = [];
+window.addEventListener("error", (event) => fail(event.message));
+window.addEventListener("unhandledrejection", (event) => fail(String(event.reason)));
+
+function fail(what) {
+  faults.push(what);
+  byId("fault").textContent = `This page met a fault: ${what}`;
+  byId("fault").hidden = false;
+}
+
+async function readStructure(map, structure) {
+  const lists = await readPack(byId(structure.pack).textContent, structure.lists);
+  const tree = new MapTree(lists, { dimension: structure.dimension, cubic: map.basis === "cubic",
+    metrics: map.metrics.length });
+  let shapes = null;
+  if (structure.shapes) {
+    const packed = byId(structure.shapes.pack);
+    shapes = new SurfaceShapes(structure.shapes, await readPack(packed.textContent, structure.shapes.lists));
+    packed.textContent = "";
+  }
+  return { values: structure.values, tree, shapes };
+}
+
+class Page {
+  constructor(map, structures) {
+    this.map = map;
+    this.space = new DesignSpace(map.parameters, structures);
+    this.controls = makeControls(this.space, (parameter, value) => this.change(parameter, value));
+    byId("parameters").append(...this.controls.map(({ root }) => root));
+    this.metrics = makeMetrics(map.metrics, byId("metrics"));
+    this.slices = makeSlices(this.space, map.metrics, byId("slices"), (p, value) => this.change(p, value));
+    this.panel = structures.some(({ shapes }) => shapes)
+      ? new ShapePanel(map.fields, () => this.remember()) : null;
+    const { values, view } = readHash(this.space, location.hash);
+    this.values = values;
+    this.panel?.restore(view);
+    this.setTab(this.panel && view.tab !== "slices" ? "shape" : "slices");
+    this.listen();
+    this.update();
+  }
+
+  listen() {
+    byId("tabs").hidden = this.panel === null;
+    for (const tab of ["shape", "slices"]) {
+      byId(`${tab}-tab`).addEventListener("click", () => {
+        this.setTab(tab);
+        this.update();
+        this.remember();
+      });
+    }
+    byId("copy-link").addEventListener("click", () => this.copied("copy-link", location.href));
+    byId("copy-json").addEventListener("click", () => this.copied("copy-json", this.asText(designAsJson)));
+    byId("save-json").addEventListener("click", () =>
+      download("design.json", "application/json", this.asText(designAsJson)));
+    byId("save-csv").addEventListener("click", () =>
+      download("design.csv", "text/csv", this.asText(designAsCsv)));
+    byId("reset-design").addEventListener("click", () => {
+      this.values = this.space.middle();
+      this.update();
+      this.remember();
+    });
+    window.addEventListener("hashchange", () => {
+      if (isSelfTest(location.hash)) return;
+      const { values, view } = readHash(this.space, location.hash);
+      this.values = values;
+      this.panel?.restore(view);
+      this.update();
+    });
+  }
+
+  asText(write) {
+    return write(this.map, this.space, this.values, this.answer);
+  }
+
+  async copied(button, text) {
+    await copy(text);
+    const label = byId(button).textContent;
+    byId(button).textContent = "copied";
+    setTimeout(() => { byId(button).textContent = label; }, 1200);
+  }
+
+  setTab(tab) {
+    this.tab = tab;
+    for (const each of ["shape", "slices"]) {
+      byId(`${each}-tab`).setAttribute("aria-selected", String(each === tab));
+      byId(`${each}-view`).hidden = each !== tab;
+    }
+  }
+
+  change(parameter, value) {
+    this.values[parameter] = this.space.nearest(parameter, value);
+    this.schedule();
+  }
+
+  // Moves of a slider that come at once make one.
+  schedule() {
+    this.waiting ??= setTimeout(() => {
+      this.waiting = null;
+      this.update();
+      this.remember();
+    });
+  }
+
+  remember() {
+    const view = { ...this.panel?.state(), tab: this.panel && this.tab === "slices" ? "slices" : "" };
+    history.replaceState(null, "", writeHash(this.space, this.values, view));
+  }
+
+  // Shows the design that `values` say.
+  update() {
+    const structure = this.space.structureOf(this.values);
+    const place = this.space.placeOf(this.values);
+    this.answer = structure ? structure.tree.evaluate(place) : null;
+    this.controls.forEach((control, i) => control.show(this.values[i]));
+    this.metrics.show(this.answer);
+    byId("no-values").hidden = this.answer !== null;
+    byId("stage").classList.toggle("uncovered", this.answer === null);
+    if (structure) {
+      const slices = place.map((_, d) => sliceAlong(structure.tree, place, d));
+      this.space.numbers.forEach((i, d) =>
+        this.controls[i].showGaps(slices[d].answers.map((answer) => answer !== null)));
+      if (this.tab === "slices") this.slices.show(place, this.answer, slices);
+    }
+    if (this.panel && this.tab === "shape") this.panel.show(structure, this.answer ? place : null);
+  }
+}
+
+// What the map is of, and how far it may be trusted.
+function describe(map) {
+  document.title = `${map.title} – design map`;
+  byId("title").textContent = map.title;
+  byId("subtitle").textContent = [map.name, `revision ${map.revision}`, `${map.basis} basis`,
+    `${map.evaluations} designs evaluated`, map.created].filter(Boolean).join(" · ");
+  const notes = byId("notes");
+  const note = (text, kind) => notes.append(element("li", { text, class: kind }));
+  if (map.stale) note("The template has changed since: this map is of an earlier revision.", "warning");
+  if (map.fixed.length > 0) {
+    note("Fixed: " + map.fixed.map(({ name, unit, value, choice }) =>
+      `${spoken(name)} ${choice ?? quantity(value, shownUnit(unit))}`).join(", "));
+  }
+  note("± is how far a value may be off: what the map was off nearby, an estimate and no bound.");
+  if (map.verification) {
+    const { points, differences } = map.verification;
+    note(`Held against ${points} designs that it had not seen, it was off at most ` +
+      differences.map(({ metric, unit, largest }) =>
+        `${quantity(largest, shownUnit(unit), 2)} of ${spoken(metric)}`).join(", "));
+  }
+  if (map.cutOff > 0) {
+    note(`No values in ${map.cutOff} of ${map.elements} parts of the space (shaded), where evaluations failed:`);
+    for (const { count, message } of map.failures) note(`${count} × ${message}`, "failure");
+  }
+  if (map.shapes) {
+    note(`Shapes were off at most ${quantity(map.shapes.largestError, shownUnit("m"), 2)} at the map's probes; ` +
+      `positions are rounded by ${quantity(map.shapes.rounding, shownUnit("m"), 1)}` +
+      `${map.shapes.designs ? ` (${digits(map.shapes.designs)} shapes)` : ""}.`);
+  }
+  const reasons = map.failures.map(({ message }) => message);
+  byId("no-values-why").textContent = reasons.length > 0 ? `Evaluations failed around this design, as: ${reasons[0]}`
+    : "Evaluations failed around this design.";
+}
+
+async function start() {
+  if (typeof DecompressionStream === "undefined") {
+    fail("this browser is too old to unpack the map (it lacks DecompressionStream)");
+    return;
+  }
+  const map = JSON.parse(byId("map").textContent);
+  describe(map);
+  const structures = await Promise.all(map.structures.map((structure) => readStructure(map, structure)));
+  const page = new Page(map, structures);
+  byId("waiting").hidden = true;
+  if (!isSelfTest(location.hash)) return;
+  await runSelfTest(location.hash, faults, (values) => {
+    page.values = [...values];
+    page.update();
+  }, () => {
+    const shape = page.panel?.shape;
+    return { values: page.values, answer: page.answer,
+      shape: shape ? page.panel.structure.shapes.positions(shape) : null };
+  }, page.panel);
+}
+
+start().catch((reason) => fail(String(reason?.message ?? reason)));
