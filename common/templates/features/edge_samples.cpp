@@ -20,6 +20,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/cad/solid_kernel.h"
+#include "common/mesh/distinct_names.h"
 #include "common/mesh/edge_sampling.h"
 
 namespace mortise::cad {
@@ -55,6 +56,7 @@ class Sampler {
   }
 
   absl::StatusOr<mesh::ControlVariables> Sample() {
+    TellFacesApart();
     CollectVertices();
     CollectEdges();
     NameVertices();
@@ -63,6 +65,26 @@ class Sampler {
   }
 
  private:
+  // Adds what they lie beside to the names of faces that have the same.
+  void TellFacesApart() {
+    TopTools_IndexedDataMapOfShapeListOfShape beside;
+    TopExp::MapShapesAndUniqueAncestors(shape_, TopAbs_EDGE, TopAbs_FACE, beside);
+    std::vector<std::vector<int>> neighbours(face_names_.size());
+    for (int i = 1; i <= beside.Extent(); ++i) {
+      if (beside(i).Extent() != 2) continue;
+      const int first = faces_.FindIndex(beside(i).First());
+      const int second = faces_.FindIndex(beside(i).Last());
+      neighbours[static_cast<std::size_t>(first) - 1].push_back(second - 1);
+      neighbours[static_cast<std::size_t>(second) - 1].push_back(first - 1);
+    }
+    std::vector<std::string> names;
+    for (int f = 1; f <= faces_.Extent(); ++f) names.push_back(face_names_.at(f));
+    names = mesh::DistinctNames(std::move(names), neighbours);
+    for (int f = 1; f <= faces_.Extent(); ++f) {
+      face_names_[f] = names[static_cast<std::size_t>(f) - 1];
+    }
+  }
+
   void CollectVertices() {
     TopExp::MapShapes(shape_, TopAbs_VERTEX, vertex_shapes_);
     vertices_.resize(static_cast<std::size_t>(vertex_shapes_.Extent()) + 1);
