@@ -82,6 +82,28 @@ absl::StatusOr<PlacedSurface> PlaceSurface(const Eigen::Matrix3Xd& nodes,
   return placed;
 }
 
+// A design with the mesh's own elements.
+BroughtShape TakeOver(const fields::DesignFields& corners,
+                      const std::vector<const fields::Field*>& matched, const CanonicalMesh& mesh) {
+  BroughtShape brought;
+  brought.is_identity = true;
+  brought.shape.nodes = corners.nodes(Eigen::all, mesh.given_node);
+  for (const fields::Field* field : matched) {
+    const bool of_nodes = field->place == fields::FieldPlace::kNodes;
+    brought.shape.fields.push_back(
+        of_nodes ? Eigen::MatrixXd(field->values(Eigen::all, mesh.given_node)) : field->values);
+  }
+  return brought;
+}
+
+void AlignSigns(const CanonicalMesh& mesh, ConsistentShape& shape) {
+  for (std::size_t f = 0; f < shape.fields.size(); ++f) {
+    if (!HasArbitrarySign(mesh.fields[f])) continue;
+    const double likeness = shape.fields[f].cwiseProduct(mesh.own_values[f]).sum();
+    if (likeness < 0) shape.fields[f] *= -1;
+  }
+}
+
 }  // namespace
 
 // Makes what only depends on the mesh when it is first asked for.
@@ -165,6 +187,26 @@ PreparedMesh::PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh, const Mesh
 
 PreparedMesh::~PreparedMesh() = default;
 
+absl::StatusOr<BroughtShape> PreparedMesh::BringOther(
+    const fields::DesignFields& corners, const std::vector<const fields::Field*>& matched) const {
+  if (corners.parts.size() != mesh_->parts.size()) {
+    return PreconditionFailed("TOPOLOGY_DIFFERS",
+                              absl::StrCat("the design has ", corners.parts.size(),
+                                           " parts, the mesh of the map has ", mesh_->parts.size()),
+                              "design.parts");
+  }
+  const OuterTriangles outer = FindOuterTriangles(corners);
+  auto mapped = mapping_->Map(corners, outer);
+  if (!mapped.ok()) return Renamed(mapped.status());
+  CarriedFields carried =
+      CarryFields(matched, corners, outer, *mesh_, mapped->nodes, mapped->places);
+  BroughtShape brought;
+  brought.shape = {std::move(mapped->nodes), std::move(carried.fields)};
+  brought.outside = carried.outside;
+  brought.furthest = carried.furthest;
+  return brought;
+}
+
 absl::StatusOr<BroughtShape> PreparedMesh::Bring(const fields::DesignFields& design) const {
   MORTISE_RETURN_IF_ERROR(fields::Check(design));
   const bool with_elements = mesh_->element_count() > 0;
@@ -176,30 +218,11 @@ absl::StatusOr<BroughtShape> PreparedMesh::Bring(const fields::DesignFields& des
                            MatchFields(corners, *mesh_));
   BroughtShape brought;
   if (HasSameElements(corners, mesh_->given)) {
-    brought.is_identity = true;
-    brought.shape.nodes = corners.nodes(Eigen::all, mesh_->given_node);
-    for (const fields::Field* field : matched) {
-      const bool of_nodes = field->place == fields::FieldPlace::kNodes;
-      brought.shape.fields.push_back(
-          of_nodes ? Eigen::MatrixXd(field->values(Eigen::all, mesh_->given_node)) : field->values);
-    }
+    brought = TakeOver(corners, matched, *mesh_);
   } else {
-    if (corners.parts.size() != mesh_->parts.size()) {
-      return PreconditionFailed(
-          "TOPOLOGY_DIFFERS",
-          absl::StrCat("the design has ", corners.parts.size(), " parts, the mesh of the map has ",
-                       mesh_->parts.size()),
-          "design.parts");
-    }
-    const OuterTriangles outer = FindOuterTriangles(corners);
-    auto mapped = mapping_->Map(corners, outer);
-    if (!mapped.ok()) return Renamed(mapped.status());
-    CarriedFields carried =
-        CarryFields(matched, corners, outer, *mesh_, mapped->nodes, mapped->places);
-    brought.shape = {std::move(mapped->nodes), std::move(carried.fields)};
-    brought.outside = carried.outside;
-    brought.furthest = carried.furthest;
+    MORTISE_ASSIGN_OR_RETURN(brought, BringOther(corners, matched));
   }
+  AlignSigns(*mesh_, brought.shape);
   brought.inverted =
       static_cast<int>(InvertedElements(ElementsOf(*mesh_), brought.shape.nodes).size());
   return brought;

@@ -64,6 +64,9 @@ class PreparedMesh {
  private:
   class Mapping;
 
+  absl::StatusOr<BroughtShape> BringOther(const fields::DesignFields& corners,
+                                          const std::vector<const fields::Field*>& matched) const;
+
   std::shared_ptr<const CanonicalMesh> mesh_;
   std::unique_ptr<Mapping> mapping_;
 };

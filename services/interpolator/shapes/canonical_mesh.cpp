@@ -28,8 +28,9 @@ class MeshMaker {
       mesh_.fields.push_back({field.name, field.unit, field.load_case, field.place,
                               static_cast<int>(field.values.rows())});
     }
-    mesh_.given.fields.clear();
     OrderNodes();
+    KeepOwnValues();
+    mesh_.given.fields.clear();
     AddElements();
     AddTriangles();
     AddRegions();
@@ -60,6 +61,15 @@ class MeshMaker {
     number_.assign(static_cast<std::size_t>(nodes.cols()), -1);
     for (std::size_t n = 0; n < mesh_.given_node.size(); ++n) {
       number_[static_cast<std::size_t>(mesh_.given_node[n])] = static_cast<int>(n);
+    }
+  }
+
+  void KeepOwnValues() {
+    for (std::size_t f = 0; f < mesh_.fields.size(); ++f) {
+      Eigen::MatrixXd& own = mesh_.own_values.emplace_back();
+      if (!HasArbitrarySign(mesh_.fields[f])) continue;
+      const Eigen::MatrixXd& values = mesh_.given.fields[f].values;
+      own = values(Eigen::all, mesh_.given_node).cast<float>().cast<double>();
     }
   }
 
@@ -102,6 +112,10 @@ class MeshMaker {
 
 }  // namespace
 
+bool HasArbitrarySign(const FieldKind& kind) {
+  return kind.name == "mode_shape" && kind.place == fields::FieldPlace::kNodes;
+}
+
 int CanonicalMesh::FindField(std::string_view name, std::string_view load_case) const {
   const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldKind& kind) {
     return kind.name == name && kind.load_case == load_case;
@@ -119,7 +133,8 @@ absl::StatusOr<CanonicalMesh> CanonicalMesh::Create(const fields::DesignFields& 
 
 absl::StatusOr<std::string> WriteMesh(const CanonicalMesh& mesh) {
   fields::DesignFields design = mesh.given;
-  for (const FieldKind& kind : mesh.fields) {
+  for (std::size_t f = 0; f < mesh.fields.size(); ++f) {
+    const FieldKind& kind = mesh.fields[f];
     fields::Field& field = design.fields.emplace_back();
     field.name = kind.name;
     field.unit = kind.unit;
@@ -128,6 +143,11 @@ absl::StatusOr<std::string> WriteMesh(const CanonicalMesh& mesh) {
     const bool of_nodes = kind.place == fields::FieldPlace::kNodes;
     field.values = Eigen::MatrixXd::Zero(kind.components,
                                          of_nodes ? design.nodes.cols() : design.tetrahedra.cols());
+    if (!HasArbitrarySign(kind)) continue;
+    for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node) {
+      field.values.col(mesh.given_node[static_cast<std::size_t>(node)]) =
+          mesh.own_values[f].col(node);
+    }
   }
   MORTISE_ASSIGN_OR_RETURN(const std::string content, fields::WriteFields(design));
   return Compress(kLetters, content);

@@ -30,6 +30,10 @@ struct FieldKind {
   friend bool operator==(const FieldKind&, const FieldKind&) = default;
 };
 
+// Whether a field's sign is arbitrary, as that of natural modes, "mode_shape", is: two designs that
+// are alike may have it either way.
+bool HasArbitrarySign(const FieldKind& kind);
+
 // Made by Create, and not changed after that.
 struct CanonicalMesh {
   // Makes the mesh of one design. With tetrahedra the outer triangles are those faces that only one
@@ -71,6 +75,9 @@ struct CanonicalMesh {
   std::vector<std::string> parts;
   std::vector<fields::Region> regions;  // of outer triangles alone; may be left without any
   std::vector<FieldKind> fields;
+  // Of each field whose sign is arbitrary the design's own values, components × N, with 24 bits:
+  // what the sign of others is told by. Of other fields nothing, 0 × 0.
+  std::vector<Eigen::MatrixXd> own_values;
   double size = 0;  // m, diagonal of the box around its nodes
 
   // What it was made of, with corners alone and nodes in the order given: what the file keeps, and

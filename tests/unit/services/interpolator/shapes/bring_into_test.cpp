@@ -101,6 +101,25 @@ TEST(BringInto, CarriesFieldsOfElementsOverByTheirCentres) {
   }
 }
 
+// A natural mode is found with either sign.
+TEST(BringInto, GivesModesTheSignOfTheMesh) {
+  const auto with_mode = [](fields::DesignFields design, double sign) {
+    design.fields = {
+        {"mode_shape", "1", "mode 1", fields::FieldPlace::kNodes, sign * design.fields[1].values}};
+    return design;
+  };
+  const fields::DesignFields own = with_mode(Box({2, 1, 0.5}, kCoarse), 1);
+  const CanonicalMesh mesh =
+      ReadMesh(WriteMesh(CanonicalMesh::Create(own).value()).value()).value();
+  for (const BlockCells& cells : {kCoarse, kOther}) {
+    const fields::DesignFields design = with_mode(Box({2.2, 1, 0.5}, cells), 1);
+    const fields::DesignFields turned = with_mode(Box({2.2, 1, 0.5}, cells), -1);
+    const ConsistentShape plain = BringInto(design, mesh).value().shape;
+    EXPECT_EQ(BringInto(turned, mesh).value().shape.fields[0], plain.fields[0]);
+    ExpectLinear(plain.fields[0], plain.nodes, DisplacementAt);
+  }
+}
+
 // Round faces: the design's and the mesh's facets are not the same, so some nodes lie outside.
 TEST(BringInto, CarriesFieldsOverOnRoundFaces) {
   const BlockCells fine{.along = 4, .across = 5, .high = 3};
