@@ -34,9 +34,10 @@ std::string AirflowText(const v1::AirflowSettings& settings) {
   return bytes.empty() ? "" : absl::StrCat(" in ", Sha256Hex(bytes));
 }
 
-std::string FieldsText(const v1::Task& task) {
+std::string FieldsText(const v1::Task& task, bool is_ours) {
   if (!task.has_design_fields()) return "";
-  return absl::StrCat(" with ", Sha256Hex(task.design_fields().SerializeAsString()));
+  return absl::StrCat(" with ", is_ours ? absl::StrCat(kFieldsVersion, " ") : "",
+                      Sha256Hex(task.design_fields().SerializeAsString()));
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ std::string ResultKey(const v1::Task& task, int physics_version) {
   Append(absl::StrCat(is_ours ? absl::StrCat("physics ", physics_version, ": ") : "",
                       task.gradients() ? "gradients of " : "", absl::StrJoin(task.metrics(), ","),
                       RefinementText(task.mesh()), DefinitionsText(task.metric_definitions()),
-                      AirflowText(task.airflow()), FieldsText(task)),
+                      AirflowText(task.airflow()), FieldsText(task, is_ours)),
          bytes);
   Append(task.mesh().element_size(), bytes);
   Append(task.mesh().linear() ? 1.0 : 0.0, bytes);

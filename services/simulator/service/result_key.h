@@ -12,6 +12,9 @@ namespace mortise::simulator {
 // 4: stress on surfaces from the strain along them and the traction.
 inline constexpr int kPhysicsVersion = 4;
 
+// Counted up where our own files of shape and fields have more in them. 2: control variables.
+inline constexpr int kFieldsVersion = 2;
+
 // Returns the key of an evaluation's task in its queue: of the subject's digest, the exact
 // parameters, the metrics and whether their gradients are wanted, what the request defines, what is
 // wanted of shape and fields, and all settings. Those of our own evaluator depend on the version of
