@@ -57,9 +57,9 @@ absl::Status Renamed(const absl::Status& status) {
 
 // Returns the control variables of a design by place alone, as its nodes are not numbered as those
 // of surfaces and canonical meshes are.
-absl::StatusOr<mesh::ControlVariables> VariablesOf(const fields::DesignFields& corners,
+absl::StatusOr<mesh::ControlVariables> VariablesOf(const fields::DesignFields& design,
                                                    std::string_view field) {
-  auto variables = fields::ControlVariablesOf(corners);
+  auto variables = fields::ControlVariablesOf(design);
   if (!variables.ok()) return UnderField(field, variables.status());
   for (mesh::ControlVariables::Point& point : variables->points) point.vertex = -1;
   return variables;
@@ -96,6 +96,17 @@ BroughtShape TakeOver(const fields::DesignFields& corners,
   return brought;
 }
 
+// Returns how many elements are turned over that are not in the mesh itself, as flat ones are.
+int CountInverted(const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes) {
+  const mesh::TetrahedralMesh elements = ElementsOf(mesh);
+  const std::vector<int> inverted = InvertedElements(elements, nodes);
+  if (inverted.empty()) return 0;
+  const std::vector<int> own = InvertedElements(elements, mesh.nodes);
+  return static_cast<int>(std::count_if(inverted.begin(), inverted.end(), [&](int element) {
+    return !std::binary_search(own.begin(), own.end(), element);
+  }));
+}
+
 void AlignSigns(const CanonicalMesh& mesh, ConsistentShape& shape) {
   for (std::size_t f = 0; f < shape.fields.size(); ++f) {
     if (!HasArbitrarySign(mesh.fields[f])) continue;
@@ -112,10 +123,10 @@ class PreparedMesh::Mapping {
   Mapping(const CanonicalMesh& mesh, const MeshMapOptions& options)
       : mesh_(mesh), options_(options) {}
 
-  absl::StatusOr<MappedNodes> Map(const fields::DesignFields& corners,
-                                  const OuterTriangles& outer) {
+  // Places are between nodes of the design.
+  absl::StatusOr<MappedNodes> Map(const fields::DesignFields& design, const OuterTriangles& outer) {
     MORTISE_RETURN_IF_ERROR(Prepare());
-    return mapper_ ? MapElements(corners) : MapSurfaceAlone(corners, outer);
+    return mapper_ ? MapElements(design) : MapSurfaceAlone(design, outer);
   }
 
  private:
@@ -138,10 +149,9 @@ class PreparedMesh::Mapping {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<MappedNodes> MapElements(const fields::DesignFields& corners) const {
-    MORTISE_ASSIGN_OR_RETURN(mesh::ControlVariables variables, VariablesOf(corners, "source"));
-    MORTISE_ASSIGN_OR_RETURN(MeshMap map,
-                             mapper_->Map({ElementsOf(corners), std::move(variables)}));
+  absl::StatusOr<MappedNodes> MapElements(const fields::DesignFields& design) const {
+    MORTISE_ASSIGN_OR_RETURN(mesh::ControlVariables variables, VariablesOf(design, "source"));
+    MORTISE_ASSIGN_OR_RETURN(MeshMap map, mapper_->Map({ElementsOf(design), std::move(variables)}));
     MappedNodes mapped;
     mapped.places.resize(static_cast<std::size_t>(mesh_.surface_nodes));
     for (std::size_t v = 0; v < map.outer.node.size(); ++v) {
@@ -151,12 +161,11 @@ class PreparedMesh::Mapping {
     return mapped;
   }
 
-  absl::StatusOr<MappedNodes> MapSurfaceAlone(const fields::DesignFields& corners,
+  absl::StatusOr<MappedNodes> MapSurfaceAlone(const fields::DesignFields& design,
                                               const OuterTriangles& outer) const {
-    MORTISE_ASSIGN_OR_RETURN(const mesh::ControlVariables variables,
-                             VariablesOf(corners, "source"));
+    MORTISE_ASSIGN_OR_RETURN(const mesh::ControlVariables variables, VariablesOf(design, "source"));
     MORTISE_ASSIGN_OR_RETURN(const PlacedSurface source,
-                             PlaceSurface(corners.nodes, outer.triangles, variables, "source"));
+                             PlaceSurface(design.nodes, outer.triangles, variables, "source"));
     MORTISE_ASSIGN_OR_RETURN(const SurfaceMap map,
                              MapSurface(source.marked, surface_.marked, options_.layout));
     // The nodes of the mesh come first, then those of control points between them.
@@ -187,19 +196,20 @@ PreparedMesh::PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh, const Mesh
 
 PreparedMesh::~PreparedMesh() = default;
 
-absl::StatusOr<BroughtShape> PreparedMesh::BringOther(
-    const fields::DesignFields& corners, const std::vector<const fields::Field*>& matched) const {
-  if (corners.parts.size() != mesh_->parts.size()) {
+absl::StatusOr<BroughtShape> PreparedMesh::BringOther(const fields::DesignFields& design) const {
+  if (design.parts.size() != mesh_->parts.size()) {
     return PreconditionFailed("TOPOLOGY_DIFFERS",
-                              absl::StrCat("the design has ", corners.parts.size(),
+                              absl::StrCat("the design has ", design.parts.size(),
                                            " parts, the mesh of the map has ", mesh_->parts.size()),
                               "design.parts");
   }
-  const OuterTriangles outer = FindOuterTriangles(corners);
-  auto mapped = mapping_->Map(corners, outer);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<const fields::Field*> matched,
+                           MatchFields(design, *mesh_));
+  const OuterTriangles outer = FindOuterTriangles(design);
+  auto mapped = mapping_->Map(design, outer);
   if (!mapped.ok()) return Renamed(mapped.status());
   CarriedFields carried =
-      CarryFields(matched, corners, outer, *mesh_, mapped->nodes, mapped->places);
+      CarryFields(matched, design, outer, *mesh_, mapped->nodes, mapped->places);
   BroughtShape brought;
   brought.shape = {std::move(mapped->nodes), std::move(carried.fields)};
   brought.outside = carried.outside;
@@ -220,11 +230,12 @@ absl::StatusOr<BroughtShape> PreparedMesh::Bring(const fields::DesignFields& des
   if (HasSameElements(corners, mesh_->given)) {
     brought = TakeOver(corners, matched, *mesh_);
   } else {
-    MORTISE_ASSIGN_OR_RETURN(brought, BringOther(corners, matched));
+    // With the middles of quadratic elements, which say how its sides are curved.
+    MORTISE_ASSIGN_OR_RETURN(
+        brought, with_elements ? BringOther(design) : BringOther(WithoutElements(design)));
   }
   AlignSigns(*mesh_, brought.shape);
-  brought.inverted =
-      static_cast<int>(InvertedElements(ElementsOf(*mesh_), brought.shape.nodes).size());
+  brought.inverted = CountInverted(*mesh_, brought.shape.nodes);
   return brought;
 }
 

@@ -32,9 +32,10 @@ struct ConsistentShape {
 struct BroughtShape {
   ConsistentShape shape;
   bool is_identity = false;  // whether its elements were the canonical mesh's own
-  int inverted = 0;          // canonical elements that are turned over or flat in this shape
-  int outside = 0;           // nodes and centres whose values come from the nearest place, and
-  double furthest = 0;       // m, how far away that was at the most
+  int inverted =
+      0;  // elements that are turned over or flat in this shape, and not in the mesh itself
+  int outside = 0;      // nodes and centres whose values come from the nearest place, and
+  double furthest = 0;  // m, how far away that was at the most
 };
 
 // A canonical mesh that many designs are brought into. Whatever only depends on the mesh is
@@ -64,8 +65,7 @@ class PreparedMesh {
  private:
   class Mapping;
 
-  absl::StatusOr<BroughtShape> BringOther(const fields::DesignFields& corners,
-                                          const std::vector<const fields::Field*>& matched) const;
+  absl::StatusOr<BroughtShape> BringOther(const fields::DesignFields& design) const;
 
   std::shared_ptr<const CanonicalMesh> mesh_;
   std::unique_ptr<Mapping> mapping_;

@@ -80,11 +80,11 @@ void KeepFields(const fields::DesignFields& design, const std::vector<int>& node
 }
 
 // Takes the given triangles that are outside first, then the other outer faces.
-OuterTriangles OuterFaces(const fields::DesignFields& corners) {
-  const std::vector<mesh::ElementFace> faces = mesh::ElementFaces(ElementsOf(corners)).Outer();
+OuterTriangles OuterFaces(const fields::DesignFields& design) {
+  const std::vector<mesh::ElementFace> faces = mesh::ElementFaces(ElementsOf(design)).Outer();
   std::map<Key, std::size_t> given;
-  for (Eigen::Index t = 0; t < corners.triangles.cols(); ++t) {
-    given.emplace(KeyOf(corners.triangles.col(t)), static_cast<std::size_t>(t));
+  for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
+    given.emplace(KeyOf(design.triangles.col(t).head<3>()), static_cast<std::size_t>(t));
   }
   std::vector<std::pair<std::size_t, std::size_t>> order;  // given triangle or behind them, face
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -96,37 +96,37 @@ OuterTriangles OuterFaces(const fields::DesignFields& corners) {
   const auto count = static_cast<Eigen::Index>(order.size());
   outer.triangles.resize(3, count);
   outer.part.resize(count);
-  outer.outer_of.assign(static_cast<std::size_t>(corners.triangles.cols()), -1);
+  outer.outer_of.assign(static_cast<std::size_t>(design.triangles.cols()), -1);
   for (Eigen::Index t = 0; t < count; ++t) {
     const auto [rank, f] = order[static_cast<std::size_t>(t)];
     const mesh::ElementFace& face = faces[f];
     const auto& corner = mesh::kTetrahedronFaces[static_cast<std::size_t>(face.side)];
     for (int k = 0; k < 3; ++k) {
-      outer.triangles(k, t) = corners.tetrahedra(corner[static_cast<std::size_t>(k)], face.element);
+      outer.triangles(k, t) = design.tetrahedra(corner[static_cast<std::size_t>(k)], face.element);
     }
-    outer.part[t] = corners.tetrahedron_part[face.element];
+    outer.part[t] = design.tetrahedron_part[face.element];
     outer.element.push_back(face.element);
     if (given.contains(face.key)) outer.outer_of[rank] = static_cast<int>(t);
   }
   return outer;
 }
 
-OuterTriangles GivenOnOutside(const fields::DesignFields& corners) {
+OuterTriangles GivenOnOutside(const fields::DesignFields& design) {
   OuterTriangles outer;
-  outer.outer_of.assign(static_cast<std::size_t>(corners.triangles.cols()), -1);
+  outer.outer_of.assign(static_cast<std::size_t>(design.triangles.cols()), -1);
   int count = 0;
-  for (Eigen::Index t = 0; t < corners.triangles.cols(); ++t) {
-    if (corners.triangle_back[t] >= 0 && corners.triangle_front[t] >= 0) continue;
+  for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
+    if (design.triangle_back[t] >= 0 && design.triangle_front[t] >= 0) continue;
     outer.outer_of[static_cast<std::size_t>(t)] = count++;
   }
   outer.triangles.resize(3, count);
   outer.part.resize(count);
   outer.element.assign(static_cast<std::size_t>(count), -1);
-  for (Eigen::Index t = 0; t < corners.triangles.cols(); ++t) {
+  for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
     const int number = outer.outer_of[static_cast<std::size_t>(t)];
     if (number < 0) continue;
-    outer.triangles.col(number) = corners.triangles.col(t);
-    const int back = corners.triangle_back[t], front = corners.triangle_front[t];
+    outer.triangles.col(number) = design.triangles.col(t).head<3>();
+    const int back = design.triangle_back[t], front = design.triangle_front[t];
     if (front >= 0) std::swap(outer.triangles(1, number), outer.triangles(2, number));
     outer.part[number] = std::max(back, front);
   }
@@ -162,8 +162,46 @@ fields::DesignFields CornersOf(const fields::DesignFields& design, bool with_ele
   return corners;
 }
 
-OuterTriangles FindOuterTriangles(const fields::DesignFields& corners) {
-  return corners.tetrahedra.cols() > 0 ? OuterFaces(corners) : GivenOnOutside(corners);
+OuterTriangles FindOuterTriangles(const fields::DesignFields& design) {
+  return design.tetrahedra.cols() > 0 ? OuterFaces(design) : GivenOnOutside(design);
+}
+
+mesh::SurfaceMesh FineSurface(const fields::DesignFields& design, const OuterTriangles& outer) {
+  mesh::SurfaceMesh fine;
+  fine.vertices = design.nodes;
+  if (design.triangles.rows() != 6) {
+    fine.triangles = outer.triangles;
+    return fine;
+  }
+  std::vector<bool> is_given(static_cast<std::size_t>(outer.triangles.cols()), false);
+  std::vector<Eigen::Vector3i> triangles;
+  for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
+    const int number = outer.outer_of[static_cast<std::size_t>(t)];
+    if (number < 0) continue;
+    is_given[static_cast<std::size_t>(number)] = true;
+    const Eigen::Matrix<int, 6, 1> nodes = design.triangles.col(t);
+    triangles.emplace_back(nodes[0], nodes[3], nodes[5]);
+    triangles.emplace_back(nodes[3], nodes[1], nodes[4]);
+    triangles.emplace_back(nodes[5], nodes[4], nodes[2]);
+    triangles.emplace_back(nodes[3], nodes[4], nodes[5]);
+  }
+  for (Eigen::Index t = 0; t < outer.triangles.cols(); ++t) {
+    if (!is_given[static_cast<std::size_t>(t)]) triangles.emplace_back(outer.triangles.col(t));
+  }
+  fine.triangles.resize(3, std::ssize(triangles));
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    fine.triangles.col(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+  return fine;
+}
+
+fields::DesignFields WithoutElements(fields::DesignFields design) {
+  design.tetrahedra.resize(4, 0);
+  design.tetrahedron_part.resize(0);
+  std::erase_if(design.fields, [](const fields::Field& field) {
+    return field.place == fields::FieldPlace::kElements;
+  });
+  return design;
 }
 
 NodeSurface SurfaceOf(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& triangles) {
@@ -175,12 +213,12 @@ NodeSurface SurfaceOf(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& tri
   return {{nodes(Eigen::all, numbers.kept()), renumbered}, numbers.kept()};
 }
 
-mesh::TetrahedralMesh ElementsOf(const fields::DesignFields& corners) {
+mesh::TetrahedralMesh ElementsOf(const fields::DesignFields& design) {
   mesh::TetrahedralMesh mesh;
-  mesh.nodes = corners.nodes;
-  mesh.tetrahedra = corners.tetrahedra;
-  mesh.part = corners.tetrahedron_part;
-  mesh.part_names = corners.parts;
+  mesh.nodes = design.nodes;
+  mesh.tetrahedra = design.tetrahedra;
+  mesh.part = design.tetrahedron_part;
+  mesh.part_names = design.parts;
   mesh.face_triangles.resize(3, 0);
   return mesh;
 }

@@ -27,8 +27,15 @@ struct OuterTriangles {
 };
 
 // Finds them: with tetrahedra the faces that only one has, otherwise the given triangles that have
-// the outside on one side or both. Those given come first, in their order. `corners`: CornersOf.
-OuterTriangles FindOuterTriangles(const fields::DesignFields& corners);
+// the outside on one side or both. Those given come first, in their order.
+OuterTriangles FindOuterTriangles(const fields::DesignFields& design);
+
+// Returns the outer triangles as they are curved, for measuring: each given one of 6 nodes as the
+// four between these.
+mesh::SurfaceMesh FineSurface(const fields::DesignFields& design, const OuterTriangles& outer);
+
+// Returns a design's surface alone, without tetrahedra and what is of them.
+fields::DesignFields WithoutElements(fields::DesignFields design);
 
 // A surface with vertices of its own.
 struct NodeSurface {
@@ -39,7 +46,7 @@ struct NodeSurface {
 // Returns the surface that some triangles between nodes make.
 NodeSurface SurfaceOf(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& triangles);
 
-// Returns the elements of a design.
-mesh::TetrahedralMesh ElementsOf(const fields::DesignFields& corners);
+// Returns the elements of a design, of as many nodes as they have.
+mesh::TetrahedralMesh ElementsOf(const fields::DesignFields& design);
 
 }  // namespace mortise::interpolator

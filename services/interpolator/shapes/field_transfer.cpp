@@ -27,6 +27,11 @@ struct Shares {
   Eigen::Vector4d shares = Eigen::Vector4d::Zero();
 };
 
+Eigen::Matrix4Xi CornersIn(const Eigen::MatrixXi& tetrahedra) {
+  if (tetrahedra.cols() == 0) return Eigen::Matrix4Xi(4, 0);
+  return tetrahedra.topRows(4);
+}
+
 Shares SharesOf(const Eigen::Ref<const Eigen::Vector3i>& nodes, const Eigen::Vector3d& shares) {
   Shares place;
   place.nodes << nodes, nodes[0];
@@ -37,9 +42,9 @@ Shares SharesOf(const Eigen::Ref<const Eigen::Vector3i>& nodes, const Eigen::Vec
 // Finds where points lie in a design. What only few of them need is made when it is needed.
 class Locating {
  public:
-  Locating(const fields::DesignFields& corners, const OuterTriangles& outer)
-      : corners_(corners), outer_(outer), tetrahedra_(corners.tetrahedra) {
-    const Eigen::Matrix3Xd& nodes = corners.nodes;
+  Locating(const fields::DesignFields& design, const OuterTriangles& outer)
+      : design_(design), outer_(outer), tetrahedra_(CornersIn(design.tetrahedra)) {
+    const Eigen::Matrix3Xd& nodes = design.nodes;
     rounding_ = kRounding * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
   }
 
@@ -50,13 +55,13 @@ class Locating {
 
   Found Find(const Eigen::Vector3d& point) {
     if (tetrahedra_.cols() > 0) {
-      if (!grid_) grid_.emplace(corners_.nodes, tetrahedra_);
+      if (!grid_) grid_.emplace(design_.nodes, tetrahedra_);
       const ElementPlace place = grid_->Find(point);
       if (place.element >= 0) {
         return {{tetrahedra_.col(place.element), place.barycentric}, place.element};
       }
     }
-    if (!surface_) surface_.emplace(corners_.nodes, outer_.triangles);
+    if (!surface_) surface_.emplace(design_.nodes, outer_.triangles);
     const SurfacePoint nearest = surface_->Find(point);
     if (nearest.distance > rounding_) {
       ++outside;
@@ -71,7 +76,7 @@ class Locating {
   double furthest = 0;  // m
 
  private:
-  const fields::DesignFields& corners_;
+  const fields::DesignFields& design_;
   const OuterTriangles& outer_;
   const Eigen::Matrix4Xi tetrahedra_;
   double rounding_ = 0;
@@ -121,15 +126,15 @@ bool HasFieldOf(const CanonicalMesh& mesh, fields::FieldPlace place) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::DesignFields& corners,
+absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::DesignFields& design,
                                                               const CanonicalMesh& mesh) {
   std::vector<const fields::Field*> matched;
   for (const FieldKind& kind : mesh.fields) {
     const auto found =
-        std::find_if(corners.fields.begin(), corners.fields.end(), [&](const fields::Field& field) {
+        std::find_if(design.fields.begin(), design.fields.end(), [&](const fields::Field& field) {
           return field.name == kind.name && field.load_case == kind.load_case;
         });
-    if (found == corners.fields.end()) {
+    if (found == design.fields.end()) {
       return InvalidField("fields", absl::StrCat("lack ", NameOf(kind)));
     }
     const FieldKind theirs{found->name, found->unit, found->load_case, found->place,
@@ -145,10 +150,10 @@ absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::Desi
 }
 
 CarriedFields CarryFields(const std::vector<const fields::Field*>& matched,
-                          const fields::DesignFields& corners, const OuterTriangles& outer,
+                          const fields::DesignFields& design, const OuterTriangles& outer,
                           const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes,
                           const std::vector<NodePlace>& places) {
-  Locating locating(corners, outer);
+  Locating locating(design, outer);
   std::vector<Shares> at_nodes;
   std::vector<int> of_elements;
   if (HasFieldOf(mesh, fields::FieldPlace::kNodes)) at_nodes = LocateNodes(nodes, places, locating);

@@ -14,7 +14,7 @@ namespace mortise::interpolator {
 
 // Returns which fields of a design those of the mesh are. INVALID_ARGUMENT, "fields", naming the
 // field and load case that the design lacks, or has in another unit, number of components or place.
-absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::DesignFields& corners,
+absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::DesignFields& design,
                                                               const CanonicalMesh& mesh);
 
 struct CarriedFields {
@@ -23,11 +23,11 @@ struct CarriedFields {
   double furthest = 0;                  // m, how far at the most
 };
 
-// Returns the values of the matched fields in a shape of the mesh. `corners` and `outer`: of the
-// design. `nodes`: 3 × N, m, where the mesh's nodes are in the design's own space. `places`: of the
+// Returns the values of the matched fields in a shape of the mesh. `outer`: of the design.
+// `nodes`: 3 × N, m, where the mesh's nodes are in the design's own space. `places`: of the
 // first nodes, those on the surface, between nodes of the design; those that have none are located.
 CarriedFields CarryFields(const std::vector<const fields::Field*>& matched,
-                          const fields::DesignFields& corners, const OuterTriangles& outer,
+                          const fields::DesignFields& design, const OuterTriangles& outer,
                           const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes,
                           const std::vector<NodePlace>& places);
 

@@ -89,15 +89,15 @@ absl::StatusOr<ShapeDifference> Difference(const BlendedShape& blended, const Ca
                                            const ConsistentShape* truth_brought) {
   if (const absl::Status good = fields::Check(truth); !good.ok()) return UnderField("truth", good);
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd nodes, SurfaceNodes(blended, mesh));
-  const bool with_elements = mesh.element_count() > 0;
-  const fields::DesignFields corners = CornersOf(truth, with_elements);
-  const NodeSurface true_surface = SurfaceOf(corners.nodes, FindOuterTriangles(corners).triangles);
-  const Eigen::Matrix3Xd& true_nodes = true_surface.surface.vertices;
-  if (true_nodes.cols() == 0) return InvalidField("truth.triangles", "must be some on the outside");
+  const OuterTriangles outer = FindOuterTriangles(truth);
+  if (outer.triangles.cols() == 0) {
+    return InvalidField("truth.triangles", "must be some on the outside");
+  }
+  const Eigen::Matrix3Xd true_nodes = SurfaceOf(truth.nodes, outer.triangles).surface.vertices;
   ShapeDifference difference;
   difference.size = (true_nodes.rowwise().maxCoeff() - true_nodes.rowwise().minCoeff()).norm();
-  difference.to_truth =
-      DistancesFrom(nodes, NearestSurface(true_nodes, true_surface.surface.triangles));
+  const mesh::SurfaceMesh fine = FineSurface(truth, outer);
+  difference.to_truth = DistancesFrom(nodes, NearestSurface(fine.vertices, fine.triangles));
   difference.from_truth = DistancesFrom(true_nodes, NearestSurface(nodes, mesh.triangles));
   difference.shape = LargerOf(difference.to_truth, difference.from_truth);
   if (truth_brought == nullptr) return difference;

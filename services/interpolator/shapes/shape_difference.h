@@ -33,10 +33,11 @@ struct ShapeDifference {
   std::vector<Spread> fields;
 };
 
-// Compares a blended shape with the design that is truly there. `truth_brought`: the same design in
-// the canonical mesh, or nullptr to compare shapes alone, which leaves `fields` empty. Where the
-// blended shape has surface nodes alone, so are those compared. INVALID_ARGUMENT as fields::Check,
-// "truth"; "blended" and "truth_brought" where sizes are not those of the mesh.
+// Compares a blended shape with the design that is truly there, whose surface is that of its
+// 6-node triangles where they have so many: the four between their nodes. `truth_brought`: the same
+// design in the canonical mesh, or nullptr to compare shapes alone, which leaves `fields` empty.
+// Where the blended shape has surface nodes alone, so are those compared. INVALID_ARGUMENT as
+// fields::Check, "truth"; "blended" and "truth_brought" where sizes are not those of the mesh.
 absl::StatusOr<ShapeDifference> Difference(const BlendedShape& blended, const CanonicalMesh& mesh,
                                            const fields::DesignFields& truth,
                                            const ConsistentShape* truth_brought);

@@ -89,6 +89,15 @@ TEST(BringInto, CarriesLinearFieldsOverExactly) {
   ExpectLinear(brought.shape.fields[2], brought.shape.nodes, StressAt);
 }
 
+// Middles of edges have no say in what corners get.
+TEST(BringInto, MapsQuadraticElementsAsWell) {
+  const CanonicalMesh mesh = CanonicalMesh::Create(Quadratic(Box({2, 1, 0.5}, kCoarse))).value();
+  const BroughtShape brought = BringInto(Quadratic(Box({3, 1.1, 0.4}, kOther)), mesh).value();
+  EXPECT_FALSE(brought.is_identity);
+  EXPECT_EQ(brought.inverted, 0);
+  ExpectLinear(brought.shape.fields[1], brought.shape.nodes, DisplacementAt);
+}
+
 // What is of elements comes from the one that the centre lies in: no farther off than it is large.
 TEST(BringInto, CarriesFieldsOfElementsOverByTheirCentres) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();

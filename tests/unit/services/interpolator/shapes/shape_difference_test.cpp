@@ -75,6 +75,32 @@ TEST_F(Comparing, LooksFromBothSides) {
   EXPECT_LT(back.shape.mean, 0.2);
 }
 
+// A design is as round as its 6-node triangles are: a quarter as far from a circle as its corners'
+// triangles.
+TEST(CurvedSides, AreWhatIsMeasuredTo) {
+  const fields::DesignFields fine =
+      BlockDesign(CylinderShape(1, 1), {.along = 24, .across = 24, .high = 2});
+  const CanonicalMesh mesh = CanonicalMesh::Create(fine).value();
+  const PackedShape packed = Pack(BringInto(fine, mesh).value().shape, mesh).value();
+  BlendedShape blended;
+  ASSERT_TRUE(Blend(std::vector<WeightedShape>{{&packed, 1}}, mesh, {true, {}}, blended).ok());
+  const fields::DesignFields flat =
+      BlockDesign(CylinderShape(1, 1), {.along = 6, .across = 6, .high = 2});
+  fields::DesignFields curved = Quadratic(flat);
+  for (Eigen::Index t = 0; t < curved.triangles.cols(); ++t) {
+    for (int side = 0; side < 3; ++side) {
+      const auto at = [&](int k) { return curved.nodes.col(curved.triangles(k, t)).head<2>(); };
+      if (at(side).norm() < 0.999 || at((side + 1) % 3).norm() < 0.999) continue;
+      if ((at(side) - at((side + 1) % 3)).norm() > 0.5) continue;  // not a chord of the rim
+      at(3 + side) /= at(3 + side).norm();
+    }
+  }
+  const double of_flat = Difference(blended, mesh, flat, nullptr).value().to_truth.largest;
+  const double of_curved = Difference(blended, mesh, curved, nullptr).value().to_truth.largest;
+  EXPECT_GT(of_flat, 0.01);
+  EXPECT_LT(of_curved, 0.3 * of_flat);
+}
+
 TEST_F(Comparing, TakesLengthsOfVectorsAndTensors) {
   const fields::DesignFields truth = Box({2, 1, 0.5});
   ConsistentShape brought = BringInto(truth, mesh_).value().shape;
