@@ -296,6 +296,13 @@ BuildProgress MapBuilding::Counts() const {
   for (const evaluation::FailureCount& failure : progress.failures) {
     progress.failed += failure.count;
   }
+  if (shapes_) {
+    progress.meshes = shapes_->mesh_count();
+    progress.shapes = shapes_->work().mapped();
+    progress.to_map = shapes_->work().to_map();
+    progress.unmapped = shapes_->work().failed();
+    progress.unmapped_failures = shapes_->work().failures();
+  }
   return progress;
 }
 
@@ -306,12 +313,6 @@ BuildProgress MapBuilding::progress() const {
     progress.elements += now.elements;
     progress.is_measured = progress.is_measured || now.errors.probes > 0;
     progress.error = std::max(progress.error, LargestOf(now));
-  }
-  if (shapes_) {
-    progress.meshes = shapes_->mesh_count();
-    progress.shapes = shapes_->work().mapped();
-    progress.to_map = shapes_->work().to_map();
-    progress.unmapped = shapes_->work().failed();
   }
   return progress;
 }

@@ -127,7 +127,7 @@ const KnownShape* ShapeWork::FindShape(const ShapeKey& key) const {
 
 const KnownShape* ShapeWork::Shape(const ShapeKey& key) {
   if (const KnownShape* known = FindShape(key)) {
-    if (counted_.insert(key).second) ++(known->status.ok() ? mapped_ : failed_);
+    Count(key, *known);
     return known;
   }
   Submit({kShape, {key, 0}}, [this, key, file = FileOf(key.mesh.structure, key.number),
@@ -136,12 +136,19 @@ const KnownShape* ShapeWork::Shape(const ShapeKey& key) {
     return Event([this, key, result = std::move(result)]() -> absl::Status {
       MORTISE_RETURN_IF_ERROR(result.status());
       known_.shapes[key] = fresh_.shapes[key] = *result;
-      counted_.insert(key);
-      ++(result->status.ok() ? mapped_ : failed_);
+      Count(key, *result);
       return absl::OkStatus();
     });
   });
   return nullptr;
+}
+
+void ShapeWork::Count(const ShapeKey& key, const KnownShape& shape) {
+  if (!counted_.insert(key).second) return;
+  ++(shape.status.ok() ? mapped_ : failed_);
+  if (shape.status.ok()) return;
+  failures_.Add({DetailOf(shape.status).reason, shape.status.code(),
+                 std::string(shape.status.message()), Eigen::VectorXd()});
 }
 
 absl::StatusOr<KnownShape> ShapeWork::Bring(const std::string& design, const std::string& mesh) {
@@ -151,6 +158,13 @@ absl::StatusOr<KnownShape> ShapeWork::Bring(const std::string& design, const std
   const absl::StatusOr<BroughtShape> brought = ready->prepared.Bring(*read);
   known.status = brought.status();
   if (!brought.ok()) return known;
+  const int elements = ready->mesh().element_count();
+  if (brought->inverted > options_.most_inverted * elements) {
+    known.status = PreconditionFailed(
+        "TOO_MANY_INVERTED",
+        absl::StrCat(brought->inverted, " of ", elements, " tetrahedra would be turned over"));
+    return known;
+  }
   const absl::StatusOr<PackedShape> packed = Pack(brought->shape, ready->mesh());
   known.status = packed.status();
   if (!packed.ok()) return known;

@@ -18,6 +18,7 @@
 
 #include "absl/status/status.h"
 #include "common/base/thread_pool.h"
+#include "common/evaluation/failures/failure_tally.h"
 #include "services/interpolator/building/shape_options.h"
 #include "services/interpolator/building/shape_store.h"
 
@@ -85,11 +86,14 @@ class ShapeWork {
   std::int64_t to_map() const { return to_map_; }
   std::int64_t mapped() const { return mapped_; }
   std::int64_t failed() const { return failed_; }
+  // Why designs could not be brought into meshes; without the designs.
+  const std::vector<evaluation::FailureCount>& failures() const { return failures_.failures(); }
 
  private:
   // What it is named by while it is under way.
   using Name = std::pair<int, DifferenceKey>;
 
+  void Count(const ShapeKey& key, const KnownShape& shape);
   void Submit(const Name& name, std::function<Event()> work);
   absl::StatusOr<MadeMesh> MakeMesh(const KnownMesh& known, const std::string& design);
   absl::StatusOr<KnownShape> Bring(const std::string& design, const std::string& mesh);
@@ -109,6 +113,7 @@ class ShapeWork {
   std::map<MeshKey, MadeMesh> meshes_;
   std::set<Name> under_way_;
   std::set<ShapeKey> counted_;
+  evaluation::FailureTally failures_;
   std::int64_t to_map_ = 0, mapped_ = 0, failed_ = 0;
   std::atomic<bool> is_stopped_ = false;
   ThreadPool threads_;  // the last: it ends before what its work uses

@@ -47,6 +47,7 @@ absl::StatusOr<ShapedStructure> StructureShapes::Result() const {
   const ShapedStructure::Errors none{.fields = std::vector<Spread>(fields_.size())};
   result.largest = result.mean = none;
   std::map<int, int> places;  // of its meshes among those of the result
+  std::set<DifferenceKey> probes;
   for (const int element : tree.Elements()) {
     result.element_errors.push_back(none);
     const bool is_cut_off = content.cut_off[result.element_mesh.size()] != 0;
@@ -64,9 +65,10 @@ absl::StatusOr<ShapedStructure> StructureShapes::Result() const {
     for (const DifferenceKey& key : settled.differences) {
       CombineAll(result.element_errors.back(), work_.FindDifference(key), IncludeLargest);
     }
+    probes.insert(settled.differences.begin(), settled.differences.end());
     AddShapes(tree.ElementSamples(element), settled.mesh, place->second, result);
   }
-  AddErrors(result);
+  AddErrors(probes, result);
   result.unmapped = CountUnmapped(tree, content);
   return result;
 }
@@ -86,12 +88,9 @@ void StructureShapes::AddShapes(const std::vector<int>& samples, int mesh, int p
   }
 }
 
-// Of all elements, each probe once, also where it lies on several.
-void StructureShapes::AddErrors(ShapedStructure& result) const {
-  std::set<DifferenceKey> probes;
-  for (const auto& [element, settled] : complete_) {
-    probes.insert(settled->differences.begin(), settled->differences.end());
-  }
+// Each probe once, also where it lies on several elements.
+void StructureShapes::AddErrors(const std::set<DifferenceKey>& probes,
+                                ShapedStructure& result) const {
   const double share = 1.0 / static_cast<double>(std::max<std::size_t>(1, probes.size()));
   for (const DifferenceKey& key : probes) {
     const KnownDifference& difference = work_.FindDifference(key);

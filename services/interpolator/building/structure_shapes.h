@@ -89,7 +89,7 @@ class StructureShapes {
   ShapedStructure::Mesh DescriptionOf(int mesh) const;
   void AddShapes(const std::vector<int>& samples, int mesh, int place,
                  ShapedStructure& result) const;
-  void AddErrors(ShapedStructure& result) const;
+  void AddErrors(const std::set<DifferenceKey>& probes, ShapedStructure& result) const;
   std::int64_t CountUnmapped(const maps::RefinementTree& tree,
                              const maps::MapContent& content) const;
   MeshKey KeyOf(int mesh) const { return {structure_, mesh}; }

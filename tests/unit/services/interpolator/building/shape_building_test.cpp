@@ -273,7 +273,12 @@ TEST(ShapeBuildingTest, GivesMeshesOfTheirOwnToWhatHasAnotherTopology) {
   const auto building = Built(plan, options);
   const ServedShapes served(*building, shelf);
   EXPECT_EQ(served.structure().meshes.size(), 2U);
-  EXPECT_EQ(building->progress().meshes, 2);
+  const BuildProgress progress = building->progress();
+  EXPECT_EQ(progress.meshes, 2);
+  EXPECT_GT(progress.unmapped, 0);
+  ASSERT_EQ(progress.unmapped_failures.size(), 1U);
+  EXPECT_EQ(progress.unmapped_failures[0].reason, "TOPOLOGY_DIFFERS");
+  EXPECT_EQ(progress.unmapped_failures[0].count, progress.unmapped);
   int lost = 0;
   Random random(3);
   for (int n = 0; n < 500; ++n) {
@@ -295,6 +300,53 @@ TEST(ShapeBuildingTest, GivesMeshesOfTheirOwnToWhatHasAnotherTopology) {
   }
   const BuildOptions one = BlockOptions(plan, shelf, 1, 1, 1, HoleBeyond);
   ExpectSame(*building, *Built(plan, one));
+}
+
+TEST(ShapeBuildingTest, CutsOffAllWhereNothingCanBeMapped) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(100, 0);
+  BuildOptions options = BlockOptions(plan, shelf, 4, 4, 2);
+  options.shapes->most_inverted = -1;
+  const auto building = Built(plan, options);
+  const ShapedStructure structure = ShapesOf(*building);
+  EXPECT_THAT(structure.element_mesh, testing::Each(-1));
+  EXPECT_TRUE(structure.meshes.empty());
+  EXPECT_TRUE(structure.shapes.empty());
+  const BuildProgress progress = building->progress();
+  EXPECT_EQ(progress.failed, 0);
+  EXPECT_EQ(progress.shapes, 0);
+  EXPECT_EQ(structure.unmapped, progress.evaluations);
+  EXPECT_LT(progress.evaluations, 60);
+  EXPECT_EQ(progress.unmapped_failures[0].reason, "TOO_MANY_INVERTED");
+}
+
+TEST(ShapeBuildingTest, GivesEachStructureMeshesOfItsOwn) {
+  FileShelf shelf;
+  MapPlan plan = BlockPlan(60, 1);
+  plan.names.push_back("holes");
+  plan.base = Eigen::Vector3d(0, 0, 0);
+  plan.parameters.push_back({.name = "holes", .unit = "1", .index = 2, .minimum = 0, .maximum = 1});
+  plan.parameters[2].whole = true;
+  plan.parameters[2].values = {0, 1};
+  plan.structures.resize(1, 2);
+  plan.structures << 0, 1;
+  const auto holes = [](const Eigen::VectorXd& design) {
+    BlockDesign block = PlainBlock(design);
+    block.has_hole = design[2] == 1;
+    return block;
+  };
+  const BuildOptions options = BlockOptions(plan, shelf, 3, 2, 2, holes);
+  const auto building = Built(plan, options);
+  std::vector<std::int64_t> tetrahedra;
+  for (const std::size_t structure : {0, 1}) {
+    const auto shapes = building->ShapesOf(structure);
+    ASSERT_TRUE(shapes.ok());
+    ASSERT_EQ((*shapes)->meshes.size(), 1U);
+    tetrahedra.push_back((*shapes)->meshes[0].tetrahedra);
+    EXPECT_THAT((*shapes)->element_mesh, testing::Each(0));
+    EXPECT_EQ((*shapes)->unmapped, 0);
+  }
+  EXPECT_EQ(tetrahedra, (std::vector<std::int64_t>{108, 96}));
 }
 
 TEST(ShapeBuildingTest, GoesOnFromWhatWasKept) {
