@@ -1,8 +1,36 @@
 #include "cli/explore/exported_structure.h"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 namespace mortise::cli {
+namespace {
+
+using Sample = v1::MapExportPart::Sample;
+
+// A message that goes on with the sample before it adds to what that has.
+void AddSample(Sample sample, std::vector<Sample>& samples) {
+  if (samples.empty() || samples.back().sample() != sample.sample() ||
+      samples.back().mesh() != sample.mesh()) {
+    samples.push_back(std::move(sample));
+    return;
+  }
+  Sample& whole = samples.back();
+  whole.mutable_positions()->append(sample.positions());
+  for (v1::MapFieldValues& field : *sample.mutable_fields()) {
+    const auto known = std::ranges::find_if(*whole.mutable_fields(), [&](const auto& one) {
+      return one.name() == field.name() && one.load_case() == field.load_case();
+    });
+    if (known == whole.mutable_fields()->end()) {
+      *whole.add_fields() = std::move(field);
+    } else {
+      known->mutable_values()->append(field.values());
+    }
+  }
+}
+
+}  // namespace
 
 void AddPart(v1::MapExportPart part, ExportedStructure& structure) {
   switch (part.part_case()) {
@@ -26,7 +54,7 @@ void AddPart(v1::MapExportPart part, ExportedStructure& structure) {
       break;
     }
     case v1::MapExportPart::kSample:
-      structure.samples.push_back(std::move(*part.mutable_sample()));
+      AddSample(std::move(*part.mutable_sample()), structure.samples);
       break;
     case v1::MapExportPart::PART_NOT_SET:
       break;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <utility>
 
 #include "common/maps/lattice.h"
 
@@ -137,6 +139,37 @@ std::vector<v1::MapTree> CutTree(const v1::MapTree& tree, int most) {
   cutter.Take(tree.shape_errors(), &v1::MapTree::mutable_shape_errors);
   cutter.Take(tree.field_errors(), &v1::MapTree::mutable_field_errors);
   return std::move(cutter).Parts();
+}
+
+std::vector<v1::MapExportPart::Sample> CutSample(const v1::MapExportPart::Sample& sample,
+                                                 std::size_t most) {
+  std::vector<v1::MapExportPart::Sample> parts;
+  std::size_t room = 0;
+  // Gives the bytes, as many as there is room for at a time, to what `field_of` finds in a part.
+  const auto give = [&](const std::string& bytes, const auto& field_of) {
+    std::size_t at = 0;
+    do {
+      if (room < 4) {
+        parts.emplace_back().set_sample(sample.sample());
+        parts.back().set_mesh(sample.mesh());
+        room = std::max<std::size_t>(most, 4);
+      }
+      const std::size_t count = std::min(bytes.size() - at, room / 4 * 4);
+      field_of(parts.back())->assign(bytes, at, count);
+      at += count;
+      room -= count;
+    } while (at < bytes.size());
+  };
+  give(sample.positions(), [](auto& part) { return part.mutable_positions(); });
+  for (const v1::MapFieldValues& field : sample.fields()) {
+    give(field.values(), [&](auto& part) {
+      v1::MapFieldValues& to = *part.add_fields();
+      to.set_name(field.name());
+      to.set_load_case(field.load_case());
+      return to.mutable_values();
+    });
+  }
+  return parts;
 }
 
 }  // namespace mortise::interpolator

@@ -129,6 +129,23 @@ TEST(AddPartTest, PutsTogetherWhatOneMessageCannotHold) {
   EXPECT_FALSE(structure.meshes[0].more());
   AddPart(part, structure);
   EXPECT_EQ(structure.meshes.size(), 2u);
+  for (const int sample : {3, 4}) {
+    const v1::MapExportPart::Sample shape = VaseAt(sample, 0.2, 0.7);
+    part.Clear();
+    part.mutable_sample()->set_sample(sample);
+    part.mutable_sample()->set_positions(shape.positions().substr(0, 8));
+    AddPart(part, structure);
+    part.mutable_sample()->set_positions(shape.positions().substr(8));
+    *part.mutable_sample()->add_fields() = shape.fields(0);
+    part.mutable_sample()->mutable_fields(0)->set_values(shape.fields(0).values().substr(0, 4));
+    AddPart(part, structure);
+    *part.mutable_sample() = shape;
+    part.mutable_sample()->clear_positions();
+    part.mutable_sample()->mutable_fields(0)->set_values(shape.fields(0).values().substr(4));
+    AddPart(part, structure);
+    EXPECT_EQ(structure.samples.back().SerializeAsString(), shape.SerializeAsString());
+  }
+  EXPECT_EQ(structure.samples.size(), 2u);
 }
 
 }  // namespace

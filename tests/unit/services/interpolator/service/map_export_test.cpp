@@ -131,5 +131,39 @@ TEST(CutTree, PartsPutTogetherAreTheTree) {
   EXPECT_EQ(CutTree(tree).size(), 1u);
 }
 
+TEST(CutSample, PartsPutTogetherAreTheSample) {
+  v1::MapExportPart::Sample sample;
+  sample.set_sample(3);
+  sample.set_mesh(1);
+  sample.set_positions("abcdefghijkl");
+  for (const char* const load_case : {"push", "pull"}) {
+    v1::MapFieldValues& field = *sample.add_fields();
+    field.set_name("stress");
+    field.set_load_case(load_case);
+    field.set_values(std::string(load_case) + "0123");
+  }
+  for (const std::size_t most : {4u, 10u, 16u, 1000u}) {
+    std::string positions, push, pull;
+    const auto parts = CutSample(sample, most);
+    for (const v1::MapExportPart::Sample& part : parts) {
+      EXPECT_EQ(part.sample(), 3);
+      EXPECT_EQ(part.mesh(), 1);
+      std::size_t bytes = part.positions().size();
+      positions += part.positions();
+      for (const v1::MapFieldValues& field : part.fields()) {
+        EXPECT_EQ(field.name(), "stress");
+        (field.load_case() == "push" ? push : pull) += field.values();
+        bytes += field.values().size();
+      }
+      EXPECT_LE(bytes, most);
+      EXPECT_EQ(bytes % 4, 0u);
+    }
+    EXPECT_EQ(positions, sample.positions());
+    EXPECT_EQ(push, "push0123");
+    EXPECT_EQ(pull, "pull0123");
+    EXPECT_EQ(parts.size() == 1, most == 1000);
+  }
+}
+
 }  // namespace
 }  // namespace mortise::interpolator
