@@ -1,5 +1,6 @@
 #include "cli/explore/map_page.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -113,7 +114,8 @@ Json VerificationOf(const v1::DesignMap& map) {
 }
 
 // What the page says of the map.
-Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Field>& fields) {
+Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Field>& fields,
+                   bool with_shapes) {
   const std::string& subject = map.specification().subject();
   Json page = {
       {"name", map.name()},
@@ -156,7 +158,7 @@ Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Fi
                               {"minimum", field.minimum()},
                               {"maximum", field.maximum()}});
   }
-  if (map.has_shapes()) {
+  if (map.has_shapes() && with_shapes) {
     page["shapes"] = {{"designs", map.shapes().shapes()},
                       {"largestError", map.shapes().largest_error()},
                       {"rounding", map.shapes().rounding()}};
@@ -209,7 +211,9 @@ absl::StatusOr<Json> StructureOf(const v1::DesignMap& map, const ExportedStructu
 absl::StatusOr<std::string> MapPage(const v1::DesignMap& map,
                                     const std::vector<ExportedStructure>& structures) {
   const std::vector<v1::MapShapes::Field> fields = FieldsOf(map, structures);
-  Json page = DescriptionOf(map, fields);
+  const bool with_shapes = std::ranges::any_of(
+      structures, [](const ExportedStructure& one) { return !one.samples.empty(); });
+  Json page = DescriptionOf(map, fields, with_shapes);
   PackWriter packs;
   page["structures"] = Json::array();
   for (const ExportedStructure& structure : structures) {

@@ -3,13 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_format.h"
 #include "tests/e2e/command.h"
 #include "tests/e2e/running_house.h"
+#include "tests/support/opened_page.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mortise::e2e {
 namespace {
@@ -101,6 +106,29 @@ TEST_F(MapTest, IsTheSameForTheSameSeed) {
   };
   EXPECT_NE(first, second);
   EXPECT_EQ(values(first), values(second));
+}
+
+TEST_F(MapTest, IsAPageThatSaysTheSameInABrowser) {
+  const std::string name = Build({"--samples", "20"})["name"].get<std::string>();
+  const testing::TemporaryFolder folder;
+  const auto page = folder.path() / "table.html";
+  const Json written = Ask({"map", "explore", name, "--output", page.string()});
+  EXPECT_EQ(written["structures"], 1);
+  EXPECT_EQ(written["bytes"], std::filesystem::file_size(page));
+  const std::vector<std::vector<double>> designs = {
+      {1, 0.6}, {1.13, 0.71}, {1.4, 0.8}, {1.2, 0.7}, {1.3333, 0.6001}};
+  const Json opened = testing::OpenPage(page, designs);
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const Json asked =
+        Ask({"map", "evaluate", name, "--errors", "--at",
+             absl::StrFormat("length=%.17g,width=%.17g", designs[i][0], designs[i][1])});
+    const std::vector<std::string> metrics = {"mass", "max_displacement"};
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+      const double value = asked["points"][0][metrics[m]].get<double>();
+      EXPECT_NEAR(opened["answers"][i]["values"][m].get<double>(), value, 1e-9 * std::abs(value));
+      EXPECT_EQ(opened["answers"][i]["errors"][m], asked["errors"][0][metrics[m]]);
+    }
+  }
 }
 
 TEST_F(MapTest, IsFoundLabelledAndDeletedAsAnyResource) {

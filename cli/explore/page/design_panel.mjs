@@ -120,8 +120,10 @@ export function makeMetrics(metrics, root) {
           return;
         }
         value.textContent = quantity(answer.values[m], shown);
-        error.textContent = `± ${digits(answer.errors[m] * shown.factor, 2)}`;
         const range = metric.maximum - metric.minimum || 1;
+        // What is rounding alone is nothing to be off by.
+        const off = answer.errors[m] < 1e-9 * range ? 0 : answer.errors[m];
+        error.textContent = `± ${digits(off * shown.factor, 2)}`;
         const share = (number) => 100 * Math.min(1, Math.max(0, (number - metric.minimum) / range));
         mark.style.left = `${share(answer.values[m])}%`;
         const low = share(answer.values[m] - answer.errors[m]);

@@ -8,9 +8,9 @@ import { byId, element } from "./elements.mjs";
 import { MapTree } from "./map_tree.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
 import { readPack } from "./packed_numbers.mjs";
-import { isSelfTest, runSelfTest } from "./self_test.mjs";
+import { holdTime, isSelfTest, runSelfTest } from "./self_test.mjs";
 import { ShapePanel } from "./shape_panel.mjs";
-import { makeSlices, sliceAlong } from "./slices.mjs";
+import { coverageAlong, makeSlices, sliceAlong } from "./slices.mjs";
 import { SurfaceShapes } from "./surface_shapes.mjs";
 
 const faults = [];
@@ -63,7 +63,8 @@ class Page {
         this.remember();
       });
     }
-    byId("copy-link").addEventListener("click", () => this.copied("copy-link", location.href));
+    byId("copy-link").addEventListener("click", () => 
+      this.copied("copy-link", location.href.split("#")[0] + this.hash()));
     byId("copy-json").addEventListener("click", () => this.copied("copy-json", this.asText(designAsJson)));
     byId("save-json").addEventListener("click", () =>
       download("design.json", "application/json", this.asText(designAsJson)));
@@ -116,9 +117,16 @@ class Page {
     });
   }
 
-  remember() {
+  // The page's address as it leads back to what is shown.
+  hash() {
     const view = { ...this.panel?.state(), tab: this.panel && this.tab === "slices" ? "slices" : "" };
-    history.replaceState(null, "", writeHash(this.space, this.values, view));
+    return writeHash(this.space, this.values, view);
+  }
+
+  // Puts it into the address, once things rest: browsers take so many changes in a time, and no more.
+  remember() {
+    clearTimeout(this.remembering);
+    this.remembering = setTimeout(() => history.replaceState(null, "", this.hash()), 300);
   }
 
   // Shows the design that `values` say.
@@ -130,11 +138,10 @@ class Page {
     this.metrics.show(this.answer);
     byId("no-values").hidden = this.answer !== null;
     byId("stage").classList.toggle("uncovered", this.answer === null);
-    if (structure) {
-      const slices = place.map((_, d) => sliceAlong(structure.tree, place, d));
-      this.space.numbers.forEach((i, d) =>
-        this.controls[i].showGaps(slices[d].answers.map((answer) => answer !== null)));
-      if (this.tab === "slices") this.slices.show(place, this.answer, slices);
+    this.space.numbers.forEach((i, d) =>
+      this.controls[i].showGaps(structure ? coverageAlong(structure.tree, place, d) : []));
+    if (structure && this.tab === "slices") {
+      this.slices.show(place, this.answer, place.map((_, d) => sliceAlong(structure.tree, place, d)));
     }
     if (this.panel && this.tab === "shape") this.panel.show(structure, this.answer ? place : null);
   }
@@ -150,8 +157,8 @@ function describe(map) {
   const note = (text, kind) => notes.append(element("li", { text, class: kind }));
   if (map.stale) note("The template has changed since: this map is of an earlier revision.", "warning");
   if (map.fixed.length > 0) {
-    note("Fixed: " + map.fixed.map(({ name, unit, value, choice }) =>
-      `${spoken(name)} ${choice ?? quantity(value, shownUnit(unit))}`).join(", "));
+    note("Fixed, in SI units: " +
+      map.fixed.map(({ name, value }) => `${spoken(name)} ${digits(value)}`).join(", "));
   }
   note("± is how far a value may be off: what the map was off nearby, an estimate and no bound.");
   if (map.verification) {
@@ -195,4 +202,5 @@ async function start() {
   }, page.panel);
 }
 
-start().catch((reason) => fail(String(reason?.message ?? reason)));
+const release = isSelfTest(location.hash) ? holdTime() : () => {};
+start().catch((reason) => fail(String(reason?.message ?? reason))).finally(release);

@@ -9,6 +9,13 @@ export function isSelfTest(hash) {
   return hash.startsWith(PREFIX);
 }
 
+// Keeps a browser busy that goes through time as quickly as nothing is left to do, until what is returned
+// is called: unpacking goes on beside the page, and is not waited for.
+export function holdTime() {
+  const timer = setInterval(() => {}, 1);
+  return () => clearInterval(timer);
+}
+
 // Moves the page to each point as a link would, then the first slider to its end as a person would. `show`
 // does the first, and returns what the map says there: {values, answer, shape}.
 export async function runSelfTest(hash, faults, show, current, panel) {

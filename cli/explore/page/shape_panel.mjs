@@ -4,7 +4,7 @@ import { Camera, steer } from "./camera.mjs";
 import { cssGradient, rangeOf } from "./colour_scale.mjs";
 import { byId, element } from "./elements.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "./number_format.mjs";
-import { boxOf, edgesOf, extremes, scalarsOf, showable, smoothNormals } from "./surface_shapes.mjs";
+import { boxOf, edgesOf, extremes, mostOf, scalarsOf, showable, smoothNormals } from "./surface_shapes.mjs";
 import { SurfaceView } from "./surface_view.mjs";
 
 const TICKS = 5;
@@ -50,7 +50,7 @@ export class ShapePanel {
     const names = namesOf(this.fields);
     setOptions(byId("field"), [["", "shape alone"], ...names.map((name) => [name, spoken(name)])],
       wanted.field ?? names.find((name) => name.includes("von_mises")) ?? names[0]);
-    byId("colour-range").value = wanted.range === "map" ? "map" : "design";
+    byId("colour-range").value = ["map", "most"].includes(wanted.range) ? wanted.range : "design";
     byId("smooth").checked = wanted.smooth === "1";
     byId("edges").checked = wanted.edges === "1";
     byId("deformation").value = wanted.deformation ?? "0";
@@ -156,7 +156,8 @@ export class ShapePanel {
     const part = byId("component").value;
     const scalars = scalarsOf(values, components, part);
     const [low, high] = extremes(scalars);
-    const ends = byId("colour-range").value === "map" ? mapEnds(this.fields[field], part) : [low, high];
+    const ends = { map: () => mapEnds(this.fields[field], part), most: () => mostOf(scalars),
+      design: () => [low, high] }[byId("colour-range").value]();
     const signed = ends[0] < 0 && ends[1] > 0 && (components > 1 || minimum < 0);
     const range = rangeOf(...ends, signed);
     this.view.setScalars(scalars, range, signed);

@@ -17,6 +17,15 @@ export function sliceAlong(tree, place, direction, points = POINTS) {
   }) };
 }
 
+// At which places along one number the map has values.
+export function coverageAlong(tree, place, direction, points = POINTS) {
+  const at = [...place];
+  return Array.from({ length: points }, (_, i) => {
+    at[direction] = i / (points - 1);
+    return !tree.isCutOff(tree.locate(at));
+  });
+}
+
 // One plot: follows the pointer with choose(share of the range).
 function makePlot(label, choose) {
   const band = drawn("path", { class: "band" });
@@ -69,7 +78,7 @@ function draw(plot, slice, metric, heightOf) {
   plot.gaps.setAttribute("d", gaps);
 }
 
-// The table of all plots: show(values, tree, place, answer, slices) draws those that are in sight.
+// The table of all plots: show(place, answer, slices) draws them, `slices` one of each number.
 export function makeSlices(space, metrics, root, change) {
   const head = element("div", { class: "slice-row slice-head" }, element("span"),
     ...space.numbers.map((i) => element("span", { text: spoken(space.parameters[i].name) })));

@@ -9,16 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 #include "cli/explore/map_page.h"
 #include "common/base/files.h"
 #include "common/base/random.h"
 #include "services/interpolator/service/map_export.h"
-#include "tests/support/child_process.h"
+#include "tests/support/opened_page.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/cli/explore/vase_map.h"
 #include "tests/unit/services/interpolator/service/sampled_map.h"
@@ -28,9 +23,6 @@ namespace {
 
 using Json = nlohmann::json;
 using ::testing::HasSubstr;
-using ::testing::Not;
-
-constexpr char kBrowser[] = "/usr/lib/chromium/chromium-headless-shell";
 
 // A map with structures, what is exported of it, and what says what is true of it.
 struct Example {
@@ -87,6 +79,13 @@ Example MakeExample(int dimension, maps::Basis basis, int choices) {
     metric.set_minimum(values.row(m).minCoeff());
     metric.set_maximum(values.row(m).maxCoeff());
   }
+  v1::ParameterValue& fixed = *map.add_fixed();
+  fixed.set_name("wall_thickness");
+  fixed.set_value(0.004);
+  v1::MapVerification::Difference& off = *map.mutable_verification()->add_differences();
+  off.set_metric("mass");
+  off.set_largest(0.02);
+  map.set_stale(true);
   v1::MapFailure& failure = *map.add_failures();
   failure.set_count(4);
   failure.set_message("the neck closes");
@@ -130,57 +129,12 @@ class ExplorePageTest : public ::testing::Test {
         Eigen::Map<const Eigen::VectorXd>(place.data(), static_cast<Eigen::Index>(place.size())));
   }
 
-  // What a page has said on the console: each is a fault, but for what the driver says of how slow
-  // it is to be asked for the picture.
-  static std::string ConsoleOf(const std::string& output) {
-    std::string lines;
-    for (const auto line : absl::StrSplit(output, '\n')) {
-      if (absl::StrContains(line, ":CONSOLE") &&
-          !absl::StrContains(line, "stall due to ReadPixels")) {
-        absl::StrAppend(&lines, line, "\n");
-      }
-    }
-    return lines;
-  }
-
   // Opens a page in the browser and takes what its self-test says of these designs.
   Json Open(const std::string& page, const std::vector<std::vector<double>>& designs,
             const std::vector<std::string>& flags = {}) {
     const auto file = folder_.path() / "page.html";
     EXPECT_TRUE(WriteFile(file, page).ok());
-    const std::string points =
-        absl::StrJoin(designs, ";", [](std::string* out, const std::vector<double>& design) {
-          absl::StrAppend(out, absl::StrJoin(design, ",", [](std::string* to, double number) {
-                            absl::StrAppendFormat(to, "%.17g", number);
-                          }));
-        });
-    std::vector<std::string> command = {kBrowser,
-                                        "--headless",
-                                        "--no-sandbox",
-                                        "--disable-gpu",
-                                        "--use-angle=swiftshader",
-                                        "--enable-unsafe-swiftshader",
-                                        "--disable-background-networking",
-                                        "--window-size=1280,800",
-                                        "--user-data-dir=" + (folder_.path() / "profile").string(),
-                                        "--enable-logging=stderr",
-                                        "--virtual-time-budget=30000",
-                                        "--dump-dom"};
-    command.insert(command.end(), flags.begin(), flags.end());
-    command.push_back(absl::StrCat("file://", file.string(), "#test=", points));
-    testing::ChildProcess browser(command);
-    EXPECT_EQ(browser.Wait(), 0);
-    const std::string output = browser.Output();
-    EXPECT_EQ(ConsoleOf(output), "");
-    const std::string begin = "id=\"self-test\">";
-    const std::size_t first = output.find(begin);
-    EXPECT_NE(first, std::string::npos) << output.substr(0, 2000);
-    if (first == std::string::npos) return Json::object();
-    const std::size_t from = first + begin.size();
-    Json told =
-        Json::parse(output.substr(from, output.find("</script>", from) - from), nullptr, false);
-    EXPECT_EQ(told["faults"], Json::array());
-    return told;
+    return testing::OpenPage(file, designs, flags);
   }
 
   // Compares what a page has computed of a design with what is true. Returns whether it has values.

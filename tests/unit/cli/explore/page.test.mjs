@@ -10,7 +10,7 @@ import { designAsCsv, designAsJson } from "../../../../cli/explore/page/download
 import { MapTree } from "../../../../cli/explore/page/map_tree.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "../../../../cli/explore/page/number_format.mjs";
 import { unfoldSteps } from "../../../../cli/explore/page/packed_numbers.mjs";
-import { edgesOf, scalarsOf, smoothNormals } from "../../../../cli/explore/page/surface_shapes.mjs";
+import { edgesOf, mostOf, scalarsOf, smoothNormals } from "../../../../cli/explore/page/surface_shapes.mjs";
 
 const PARAMETERS = [
   { name: "material", unit: "", minimum: 0, maximum: 2, whole: true, choices: ["oak", "ash", "a&b=c"] },
@@ -108,6 +108,7 @@ test("fields become one number of each node", () => {
   const mises = scalarsOf(stress, 6, "von Mises");
   assert.ok(Math.abs(mises[0] - 7) < 1e-6 && Math.abs(mises[1] - 2 * Math.sqrt(3)) < 1e-6);
   assert.deepEqual([...scalarsOf(stress, 6, "xy")], [0, 2]);
+  assert.deepEqual(mostOf(Float32Array.from([-1e6, ...Array.from({ length: 399 }, (_, i) => i), 1e6])), [1, 397]);
 });
 
 test("a surface has the normals and edges of its triangles", () => {
