@@ -74,10 +74,12 @@ void PrintModel(const v1::Model& model, Output& output) {
 
 void PrintWarnings(const v1::Model& model, const Output& output) {
   for (const v1::ModelWarning& warning : model.warnings()) {
+    if (warning.elements().empty()) {
+      output.Line(absl::StrCat("warning: ", warning.component(), ": ", warning.text()));
+      continue;
+    }
     const std::string others =
-        warning.elements().empty()
-            ? absl::StrCat(" and '", warning.other_element(), "'")
-            : OthersText({warning.elements().begin() + 1, warning.elements().end()});
+        OthersText({warning.elements().begin() + 1, warning.elements().end()});
     output.Line(absl::StrCat("warning: '", warning.element(), "' of ", warning.component(), others,
                              ": ", warning.text()));
   }

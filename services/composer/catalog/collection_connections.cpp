@@ -37,6 +37,15 @@ std::map<std::string, std::string> MaterialsOf(const Drawing& body,
   return materials;
 }
 
+ConnectOptions ConnectOptionsFor(const Drawing& body, const ConnectionOrigins& origins) {
+  ConnectOptions options;
+  options.material_of = [materials = MaterialsOf(body, origins)](const std::string& item) {
+    const auto found = materials.find(item);
+    return found == materials.end() ? std::string() : found->second;
+  };
+  return options;
+}
+
 CollectionConnections::CollectionConnections(std::shared_ptr<grpc::Channel> catalog,
                                              OriginSource* origins, ModelDrawings* drawings,
                                              std::size_t capacity)

@@ -15,6 +15,7 @@
 #include "common/base/single_flight_cache.h"
 #include "common/rpc/channel.h"
 #include "services/composer/catalog/origin_source.h"
+#include "services/composer/connecting/connect.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/records/model_drawings.h"
 
@@ -43,6 +44,10 @@ void LeaveOutOtherItems(const v1::AssemblyBundle& items, ConnectionOrigins& orig
 // own count.
 std::map<std::string, std::string> MaterialsOf(const Drawing& body,
                                                const ConnectionOrigins& origins);
+
+// Returns how a component is connected to the body of a model by connections of these assemblies:
+// with the materials of MaterialsOf.
+ConnectOptions ConnectOptionsFor(const Drawing& body, const ConnectionOrigins& origins);
 
 // Thread safe.
 class CollectionConnections {

@@ -13,11 +13,15 @@
 #include "common/assembly/connections/connection_optimizer.h"
 #include "common/base/errors.h"
 #include "services/composer/connecting/candidate.h"
+#include "services/composer/connecting/component_motion.h"
 #include "services/composer/connecting/connection_descriptor.h"
+#include "services/composer/connecting/connection_warnings.h"
+#include "services/composer/connecting/filled_space.h"
 #include "services/composer/connecting/fit_programme.h"
 #include "services/composer/connecting/hold.h"
 #include "services/composer/connecting/linked_parts.h"
 #include "services/composer/connecting/merge.h"
+#include "services/composer/connecting/original_binding.h"
 #include "services/composer/connecting/original_fit.h"
 #include "services/composer/connecting/side_overlaps.h"
 #include "services/composer/model/overlap.h"
@@ -28,6 +32,7 @@ namespace {
 using parametric::BoundingBox;
 using parametric::ElementConnection;
 using parametric::OptimizedConnection;
+using enum LeftPair::Reason;
 
 constexpr double kMinShared = 1e-6;  // m; parts that share less meet in an edge only
 
@@ -35,25 +40,29 @@ std::string Millimetres(double metres) { return absl::StrCat(1000 * metres, " mm
 
 class Connector {
  public:
-  Connector(const Design& body, const Design& component, const Original* original,
-            const std::vector<const CollectionConnection*>& others, const ConnectOptions& options)
+  Connector(const Design& body, const Design& component, const std::string& component_id,
+            const Original* original, const std::vector<const CollectionConnection*>& others,
+            const ConnectOptions& options)
       : sides_(SidesOf(body, component)),
         original_(original),
         others_(others),
         options_(options),
         tolerance_(std::max(body.assembly->tolerance(), component.assembly->tolerance())),
-        snapped_(sides_) {}
+        snapped_(sides_),
+        component_id_(component_id),
+        motion_(sides_, component_id, original) {}
 
-  absl::StatusOr<Connected> Connect(const std::string& component_id) {
-    MORTISE_RETURN_IF_ERROR(FindLinked());
-    if (original_ != nullptr) {
-      MORTISE_RETURN_IF_ERROR(UseOriginal());
-    }
-    UseOthers();
-    MORTISE_RETURN_IF_ERROR(CheckHeld());
-    MORTISE_ASSIGN_OR_RETURN(std::vector<UsedConnection> used, PlaceAll());
-    MORTISE_RETURN_IF_ERROR(CheckOverlap());
-    MORTISE_ASSIGN_OR_RETURN(Merged merged, Merge(sides_, component_id, used));
+  absl::StatusOr<ConnectTrial> Try() {
+    MORTISE_RETURN_IF_ERROR(Find().status());
+    return ConnectTrial{
+        std::any_of(used_.begin(), used_.end(),
+                    [](const Used& used) { return HasParts(*used.candidate.from); }),
+        std::move(warnings_)};
+  }
+
+  absl::StatusOr<Connected> Connect() {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<UsedConnection> used, Find());
+    MORTISE_ASSIGN_OR_RETURN(Merged merged, Merge(sides_, component_id_, used));
     Connected connected;
     connected.parts = std::move(merged.parts);
     connected.joints = std::move(merged.joints);
@@ -61,9 +70,13 @@ class Connector {
     connected.group = std::move(merged.group);
     connected.insert_below = std::move(merged.insert_below);
     connected.warnings = std::move(warnings_);
+    const auto rename = [&](std::string& part) {
+      const auto renamed = merged.component_names.find(part);
+      if (renamed != merged.component_names.end()) part = renamed->second;
+    };
     for (ConnectionWarning& warning : connected.warnings) {
-      const auto renamed = merged.component_names.find(warning.second);
-      if (renamed != merged.component_names.end()) warning.second = renamed->second;
+      rename(warning.second);
+      for (auto& [first, second] : warning.others) rename(second);
     }
     MORTISE_ASSIGN_OR_RETURN(
         connected.model, AsDrawn(std::move(merged.assembly),
@@ -72,6 +85,19 @@ class Connector {
   }
 
  private:
+  // Finds what connects the two, and puts it in its place.
+  absl::StatusOr<std::vector<UsedConnection>> Find() {
+    MORTISE_RETURN_IF_ERROR(FindLinked());
+    if (original_ != nullptr) {
+      MORTISE_RETURN_IF_ERROR(UseOriginal());
+    }
+    UseOthers();
+    MORTISE_RETURN_IF_ERROR(CheckHeld());
+    MORTISE_ASSIGN_OR_RETURN(std::vector<UsedConnection> used, PlaceAll());
+    MORTISE_RETURN_IF_ERROR(CheckOverlap());
+    return used;
+  }
+
   // The item's material; the item itself where that is not known.
   std::string KindOf(const std::string& item) const {
     std::string material = options_.material_of ? options_.material_of(item) : "";
@@ -86,20 +112,17 @@ class Connector {
     linked_ = FindLinkedParts(sides_.body_parts, sides_.component_parts, options_.linked_distance,
                               kMinShared);
     if (!linked_.empty()) return absl::OkStatus();
-    double nearest = std::numeric_limits<double>::infinity();
-    std::string name;
-    for (const PrincipalPart& body : sides_.body_parts) {
-      for (const PrincipalPart& part : sides_.component_parts) {
-        const double distance = DistanceBetween(body.box, part.box);
-        if (distance >= nearest) continue;
-        nearest = distance;
-        name =
-            absl::StrCat("'", part.name, "' is ", Millimetres(distance), " from '", body.name, "'");
-      }
-    }
+    const LinkedPair nearest = NearestParts(sides_.body_parts, sides_.component_parts);
     return PreconditionFailed(
-        "NOTHING_NEAR", absl::StrCat("no part of the model lies against the component: ", name,
-                                     ", the nearest; move it there, or snap it, first"));
+        "NOTHING_NEAR",
+        absl::StrCat("no part of the model lies against the component: '", NameOf(true, nearest),
+                     "' is ", Millimetres(nearest.apart), " from '", NameOf(false, nearest),
+                     "', the nearest; move it there, or snap it, first"));
+  }
+
+  // What a part of a pair is called.
+  const std::string& NameOf(bool of_component, const LinkedPair& pair) const {
+    return sides_.PartOf({of_component, of_component ? pair.component : pair.body}).name;
   }
 
   bool AreLinked(int body, int component) const {
@@ -119,7 +142,7 @@ class Connector {
     for (const bool with_parts : {true, false}) {
       for (const CollectionConnection& connection : original_->connections) {
         std::set<std::string> missing;
-        const std::optional<Candidate> candidate = BindOriginal(connection, by_name, missing);
+        const std::optional<Candidate> candidate = Bind(connection, by_name, missing);
         if (candidate && HasParts(connection) == with_parts) TryOriginal(*candidate);
         if (missing.empty()) continue;
         MORTISE_RETURN_IF_ERROR(UseRestOf(connection, by_name, missing, with_parts));
@@ -162,68 +185,18 @@ class Connector {
       if (HasParts(one) != with_parts) continue;
       made_.push_back(std::make_unique<const CollectionConnection>(std::move(one)));
       std::set<std::string> still_missing;
-      const std::optional<Candidate> candidate =
-          BindOriginal(*made_.back(), by_name, still_missing);
+      const std::optional<Candidate> candidate = Bind(*made_.back(), by_name, still_missing);
       if (candidate && (with_parts || !IsRefused(*candidate))) TryOriginal(*candidate);
     }
     return absl::OkStatus();
   }
 
-  int ComponentPart(const std::string& name) const {
-    for (std::size_t i = 0; i < sides_.component_parts.size(); ++i) {
-      if (sides_.component_parts[i].name == name) return static_cast<int>(i);
-    }
-    return -1;
-  }
-
-  // The connection with the component's parts for those inside of it, and for those outside the
-  // linked parts of the body whose boxes are nearest; nothing if it is all inside, or outside, or
-  // nothing stands for some principals: these are `missing`.
-  std::optional<Candidate> BindOriginal(const CollectionConnection& connection,
-                                        const std::map<std::string, const PrincipalPart*>& fitted,
-                                        std::set<std::string>& missing) const {
-    const std::vector<std::string> names = connection.Principals();
-    Candidate candidate{&connection, {}};
-    std::vector<int> inside;
-    for (const std::string& name : names) {
-      const int part = ComponentPart(name);
-      candidate.principals.push_back({part >= 0, part});
-      if (part >= 0) inside.push_back(part);
-    }
-    if (inside.empty() || inside.size() == names.size()) return std::nullopt;
-    std::set<int> taken;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (candidate.principals[i].of_component) continue;
-      const auto its = fitted.find(names[i]);
-      const std::string& item = connection.connection.elements[i].item;
-      const BoundingBox& box =
-          its == fitted.end() ? connection.connection.elements[i].box : its->second->box;
-      const int part =
-          NearestOfBody(item, box, inside, taken, connection.connection.connecting.empty());
-      if (part < 0) missing.insert(names[i]);
-      taken.insert(part);
-      candidate.principals[i].part = part;
-    }
-    if (!missing.empty()) return std::nullopt;
-    return candidate;
-  }
-
-  int NearestOfBody(const std::string& item, const BoundingBox& box, const std::vector<int>& inside,
-                    const std::set<int>& taken, bool any_material) const {
-    int nearest = -1;
-    double least = std::numeric_limits<double>::infinity();
-    for (const LinkedPair& pair : linked_) {
-      if (taken.contains(pair.body)) continue;
-      if (std::find(inside.begin(), inside.end(), pair.component) == inside.end()) continue;
-      const PrincipalPart& part = sides_.body_parts[static_cast<std::size_t>(pair.body)];
-      if (!any_material && !SameMaterial(item, part.item)) continue;
-      const double distance = CornerDistance(box, part.box);
-      if (distance < least) {
-        least = distance;
-        nearest = pair.body;
-      }
-    }
-    return nearest;
+  std::optional<Candidate> Bind(const CollectionConnection& connection,
+                                const std::map<std::string, const PrincipalPart*>& fitted,
+                                std::set<std::string>& missing) const {
+    return BindOriginal(
+        connection, sides_, linked_, fitted,
+        [this](const std::string& a, const std::string& b) { return SameMaterial(a, b); }, missing);
   }
 
   using Pair = std::pair<int, int>;  // of the body, of the component
@@ -248,35 +221,64 @@ class Connector {
   std::string Try(const Candidate& candidate) {
     if (IsConnected(candidate)) return "";
     absl::StatusOr<OptimizedConnection> placed = Place(candidate, sides_);
-    FittedSides fitted;
-    if (placed.ok()) {
-      fitted.sides = sides_;
-    } else {
-      absl::StatusOr<FittedSides> moved = MakeRoomFor(candidate);
-      if (!moved.ok()) return std::string(placed.status().message());
-      const FittedSides since = ChangesBetween(snapped_, moved->sides);
-      if (since.moved_by > options_.most_moved || since.resized_by > options_.most_resized) {
-        return absl::StrCat(placed.status().message(), "; parts would have to change by ",
-                            Millimetres(since.moved_by), ", a size by ",
-                            std::round(100 * since.resized_by), " %");
+    std::optional<Room> room;
+    if (!placed.ok()) {
+      room.emplace();
+      if (std::string why = MakeRoomFor(candidate, placed.status(), &*room); !why.empty()) {
+        return why;
       }
-      placed = Place(candidate, moved->sides);
-      if (!placed.ok()) return std::string(placed.status().message());
-      const std::vector<Candidate> all = UsedCandidates(candidate);
-      const std::vector<SideOverlap> made =
-          NewOverlaps(OverlapsBetween(sides_, all), OverlapsBetween(moved->sides, all));
-      if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
-      if (std::string clash = ClashOfUsed(moved->sides); !clash.empty()) {
-        return absl::StrCat("with room for it, ", clash);
-      }
-      fitted = *std::move(moved);
+      placed = std::move(room->placed);
+    } else if (!space_) {
+      space_.emplace(sides_);
     }
-    if (std::string clash = ClashOf(candidate, *placed, fitted.sides); !clash.empty()) {
-      return clash;
+    FilledSpace& space = room ? *room->space : *space_;
+    const BothSides& sides = room ? room->sides : sides_;
+    if (std::string clash = space.ClashOf(candidate, *placed, sides); !clash.empty()) return clash;
+    if (motion_.Differs(candidate, *placed)) return "it would let it move in another way";
+    space.Add(candidate, *placed);
+    if (room) {
+      sides_ = std::move(room->sides);
+      space_ = std::move(room->space);
     }
-    sides_ = std::move(fitted.sides);
     for (const Pair& pair : PairsOf(candidate)) connected_.insert(pair);
-    used_.push_back({candidate, fitted.moved_by});
+    used_.push_back({candidate, room ? room->moved_by : 0});
+    motion_.Take(candidate, *placed);
+    return "";
+  }
+
+  // Both sides after a change, with the connections that are used in their places.
+  struct Room {
+    BothSides sides;
+    OptimizedConnection placed;  // the new one
+    std::optional<FilledSpace> space;
+    double moved_by = 0;
+  };
+
+  // Makes room for a connection that cannot be placed; says why not, where that cannot be done.
+  std::string MakeRoomFor(const Candidate& candidate, const absl::Status& unplaced, Room* room) {
+    const std::string why(unplaced.message());
+    absl::StatusOr<FittedSides> moved = FitSides(sides_, UsedCandidates(candidate), options_.hold);
+    if (!moved.ok()) return why;
+    const FittedSides since = ChangesBetween(snapped_, moved->sides);
+    if (since.moved_by > options_.most_moved || since.resized_by > options_.most_resized) {
+      return absl::StrCat(why, "; parts would have to change by ", Millimetres(since.moved_by),
+                          ", a size by ", std::round(100 * since.resized_by), " %");
+    }
+    auto placed = Place(candidate, moved->sides);
+    if (!placed.ok()) return std::string(placed.status().message());
+    const std::vector<Candidate> all = UsedCandidates(candidate);
+    const std::vector<SideOverlap> made =
+        NewOverlaps(OverlapsBetween(sides_, all), OverlapsBetween(moved->sides, all));
+    if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
+    FilledSpace space(moved->sides);
+    for (const Used& known : used_) {
+      const auto its = Place(known.candidate, moved->sides);
+      const std::string clash = its.ok() ? space.ClashOf(known.candidate, *its, moved->sides)
+                                         : std::string(its.status().message());
+      if (!clash.empty()) return absl::StrCat("with room for it, ", clash);
+      space.Add(known.candidate, *its);
+    }
+    *room = {std::move(moved->sides), *std::move(placed), std::move(space), moved->moved_by};
     return "";
   }
 
@@ -287,11 +289,6 @@ class Connector {
     const std::string loose = LooseHold(candidate.from->connection, placed, options_.hold);
     if (!loose.empty()) return PreconditionFailed("CONNECTION_LOOSE", loose);
     return placed;
-  }
-
-  // Both sides so that this connection has room, with those that are used already.
-  absl::StatusOr<FittedSides> MakeRoomFor(const Candidate& candidate) const {
-    return FitSides(sides_, UsedCandidates(candidate), options_.hold);
   }
 
   // The connections that are used, and one more if there is one.
@@ -306,129 +303,97 @@ class Connector {
     return optimizers_.try_emplace(&connection, connection.connection).first->second;
   }
 
-  // Whether new parts would run into something else than what they connect: says into what.
-  std::string ClashOf(const Candidate& candidate, const OptimizedConnection& placed,
-                      const BothSides& sides) {
-    std::set<std::string> body, component;  // names of what it connects
-    for (const BoundPrincipal& bound : candidate.principals) {
-      (bound.of_component ? component : body).insert(sides.PartOf(bound).name);
-    }
-    std::vector<SolidPart> made = SolidsOf(*candidate.from, placed);
-    for (const auto& [design, own] :
-         {std::pair(&sides.body, &body), std::pair(&sides.component, &component)}) {
-      for (const SolidPart& solid : composer::SolidsOf(*design)) {
-        if (own->contains(solid.name())) continue;
-        for (const SolidPart& part : made) {
-          const double depth = SolidPart::DepthOf(part, solid);
-          if (depth > 0) return Clash(part, solid, depth);
-        }
-      }
-    }
-    for (const Used& known : used_) {
-      if (&known.candidate == &candidate) continue;
-      const auto its = Place(known.candidate, sides);
-      if (!its.ok()) return std::string(its.status().message());
-      for (const SolidPart& solid : SolidsOf(*known.candidate.from, *its)) {
-        for (const SolidPart& part : made) {
-          const double depth = SolidPart::DepthOf(part, solid);
-          if (depth > 0) return Clash(part, solid, depth);
-        }
-      }
-    }
-    return "";
-  }
-
-  // The same of the connections that are used already, which move with the sides.
-  std::string ClashOfUsed(const BothSides& sides) {
-    for (const Used& known : used_) {
-      const auto placed = Place(known.candidate, sides);
-      if (!placed.ok()) return std::string(placed.status().message());
-      if (std::string clash = ClashOf(known.candidate, *placed, sides); !clash.empty()) {
-        return clash;
-      }
-    }
-    return "";
-  }
-
-  static std::vector<SolidPart> SolidsOf(const CollectionConnection& from,
-                                         const OptimizedConnection& placed) {
-    std::vector<SolidPart> solids;
-    for (const parametric::PlacedPart& part : placed.parts) {
-      solids.emplace_back(part.name, part.box,
-                          from.connection.elements[static_cast<std::size_t>(part.element)].shape,
-                          part.stretch);
-    }
-    return solids;
-  }
-
-  static std::string Clash(const SolidPart& part, const SolidPart& solid, double depth) {
-    return absl::StrCat("'", part.name(), "' would run ", Millimetres(depth), " into '",
-                        solid.name(), "'");
-  }
-
-  // Whether a connection lets the component move: what a joint moves is held by that.
-  bool IsJointed() const {
-    return std::any_of(used_.begin(), used_.end(), [&](const Used& used) {
-      return !used.candidate.from->connection.connecting.empty() &&
-             JointOfComponent(used.candidate).has_value();
-    });
-  }
-
   // For each linked pair that nothing connects yet, the nearest of the collection.
   void UseOthers() {
-    if (IsJointed()) {
+    std::vector<LeftPair> left;
+    if (motion_.IsJointed()) {  // what a joint moves is held by that
       for (const auto& [pair, why] : refused_) {
-        if (!connected_.contains(pair)) Warn(pair, WhyOfOriginal(why));
+        if (!connected_.contains(pair)) left.push_back(Left(pair, kOriginal, why));
       }
+      warnings_ = WarningsOf(left);
       return;
     }
+    // It is not enough that what is to move touches: pairs that are only so need a connection
+    // still.
+    if (motion_.wanted().moves) connected_.clear();
     std::vector<const CollectionConnection*> all = others_;
     if (original_ != nullptr) {
       for (const CollectionConnection& one : original_->connections) all.push_back(&one);
     }
     std::optional<ConnectionIndex> index;  // which takes some time, if it is needed
-    std::vector<std::pair<LinkedPair, std::string>> left;
-    for (const LinkedPair& pair : linked_) {
-      if (connected_.contains({pair.body, pair.component})) continue;
-      // Gaps are bridged for what is not held otherwise.
-      if (pair.apart > tolerance_ && !used_.empty()) continue;
-      const PrincipalPart& first = sides_.body_parts[static_cast<std::size_t>(pair.body)];
-      const PrincipalPart& second =
-          sides_.component_parts[static_cast<std::size_t>(pair.component)];
-      const auto refused = refused_.find({pair.body, pair.component});
-      std::string why = refused == refused_.end()
-                            ? "nothing in the collection connects such parts of these materials"
-                            : WhyOfOriginal(refused->second);
+    for (const LinkedPair& linked : PairsToFasten()) {
+      const Pair pair(linked.body, linked.component);
+      if (connected_.contains(pair) || !motion_.frames().MayFasten(pair.first, pair.second))
+        continue;
+      // Gaps are bridged for what is not held otherwise, or what moves, as on two slides.
+      if (linked.apart > tolerance_ && !used_.empty() && !motion_.wanted().moves) continue;
       if (!index) index.emplace(all, [this](const std::string& item) { return KindOf(item); });
-      const std::vector<RankedConnection> nearest =
-          index->Nearest(first, second, options_.fixed_size_weight, options_.candidates);
-      for (const RankedConnection& ranked : nearest) {
-        Candidate candidate{ranked.connection, {{false, pair.body}, {true, pair.component}}};
-        if (ranked.exchanged) std::swap(candidate.principals[0], candidate.principals[1]);
-        std::string because = Try(candidate);
-        if (because.empty()) {
-          why.clear();
-          break;
-        }
-        if (&ranked != &nearest.front() || refused != refused_.end()) continue;
-        why = absl::StrCat("the nearest of the collection, ", ranked.connection->connection.name,
-                           " of ", ranked.connection->source, ", does not fit: ", because);
-      }
-      if (!why.empty()) left.emplace_back(pair, std::move(why));
+      if (std::optional<LeftPair> one = UseNearest(*index, pair)) left.push_back(*std::move(one));
     }
-    for (const auto& [pair, why] : left) Warn({pair.body, pair.component}, why);
+    if (!motion_.wanted().moves) {
+      warnings_ = WarningsOf(left);
+    } else if (!motion_.IsJointed() && !left.empty()) {
+      warnings_ = {WarningOfMotion(left, component_id_, VerbOf(motion_.wanted()))};
+    }
   }
 
-  static std::string WhyOfOriginal(const std::string& why) {
-    return absl::StrCat("the connection of the original design does not fit: ", why);
+  // The linked pairs, those that neither side's joints move first. Where any of these touch, what
+  // moves is not fastened.
+  std::vector<LinkedPair> PairsToFasten() const {
+    std::vector<LinkedPair> pairs = linked_;
+    const auto moved =
+        std::stable_partition(pairs.begin(), pairs.end(), [&](const LinkedPair& pair) {
+          return motion_.frames().BothStay(pair.body, pair.component);
+        });
+    if (std::any_of(pairs.begin(), moved,
+                    [&](const LinkedPair& pair) { return pair.apart <= tolerance_; })) {
+      pairs.erase(moved, pairs.end());
+    }
+    return pairs;
   }
 
-  void Warn(const Pair& pair, const std::string& why) {
-    const std::string& first = sides_.body_parts[static_cast<std::size_t>(pair.first)].name;
-    const std::string& second = sides_.component_parts[static_cast<std::size_t>(pair.second)].name;
-    warnings_.push_back(
-        {first, second,
-         absl::StrCat("nothing holds '", first, "' and '", second, "' together: ", why)});
+  // Uses the nearest connection of the collection that can be used for a pair; says what is left
+  // otherwise.
+  std::optional<LeftPair> UseNearest(const ConnectionIndex& index, const Pair& pair) {
+    const PrincipalPart& first = sides_.body_parts[static_cast<std::size_t>(pair.first)];
+    const PrincipalPart& second = sides_.component_parts[static_cast<std::size_t>(pair.second)];
+    const auto refused = refused_.find(pair);
+    std::optional<LeftPair> left;
+    if (refused != refused_.end()) left = Left(pair, kOriginal, refused->second);
+    for (const RankedConnection& ranked : index.Nearest(
+             first, second, motion_.wanted(), options_.fixed_size_weight, options_.candidates)) {
+      const std::string because = TryRanked(ranked, pair);
+      if (because.empty()) return std::nullopt;
+      if (left) continue;
+      left = Left(pair, kNearest,
+                  absl::StrCat(ranked.connection->connection.name, " of ",
+                               ranked.connection->source, ", does not fit: ", because));
+    }
+    return left ? left : Left(pair, kNoSuch, "");
+  }
+
+  std::string TryRanked(const RankedConnection& ranked, const Pair& pair) {
+    const CollectionConnection* from = ranked.connection;
+    const std::vector<std::string> names = from->Principals();
+    const std::string& first = names[static_cast<std::size_t>(ranked.first)];
+    if (names.size() > 2) {
+      auto rest = ConnectionsAmong(*from, {first, names[static_cast<std::size_t>(ranked.second)]});
+      if (!rest.ok()) return std::string(rest.status().message());
+      std::erase_if(*rest, [](const CollectionConnection& one) { return !HasParts(one); });
+      if (rest->empty()) return "nothing of it is between two such parts alone";
+      made_.push_back(std::make_unique<const CollectionConnection>(std::move(rest->front())));
+      from = made_.back().get();
+    }
+    Candidate candidate{from, {{false, pair.first}, {true, pair.second}}};
+    if (from->Principals().front() != first) {
+      std::swap(candidate.principals[0], candidate.principals[1]);
+    }
+    return Try(candidate);
+  }
+
+  LeftPair Left(const Pair& pair, LeftPair::Reason reason, const std::string& why) const {
+    return {reason, sides_.body_parts[static_cast<std::size_t>(pair.first)].name,
+            sides_.component_parts[static_cast<std::size_t>(pair.second)].name, why};
   }
 
   // Whether the component would at least touch the model: what only has a gap to it hangs in the
@@ -447,7 +412,8 @@ class Connector {
     std::vector<UsedConnection> placed;
     for (const Used& used : used_) {
       MORTISE_ASSIGN_OR_RETURN(OptimizedConnection made, Place(used.candidate, sides_));
-      placed.push_back({used.candidate, std::move(made), used.moved_by});
+      placed.push_back({used.candidate, std::move(made), used.moved_by,
+                        motion_.BringsJoint(*used.candidate.from)});
     }
     return placed;
   }
@@ -470,6 +436,9 @@ class Connector {
   const ConnectOptions& options_;
   const double tolerance_;
   const BothSides snapped_;
+  const std::string& component_id_;
+  ComponentMotion motion_;
+  std::optional<FilledSpace> space_;  // of sides_ and what is used, once it is needed
   std::vector<LinkedPair> linked_;
   std::set<Pair> connected_;
   std::map<Pair, std::string> refused_;  // why the original's connection of a pair is not used
@@ -485,7 +454,14 @@ absl::StatusOr<Connected> Connect(const Design& body, const Design& component,
                                   const std::string& component_id, const Original* original,
                                   const std::vector<const CollectionConnection*>& others,
                                   const ConnectOptions& options) {
-  return Connector(body, component, original, others, options).Connect(component_id);
+  return Connector(body, component, component_id, original, others, options).Connect();
+}
+
+absl::StatusOr<ConnectTrial> TryToConnect(const Design& body, const Design& component,
+                                          const std::string& component_id, const Original* original,
+                                          const std::vector<const CollectionConnection*>& others,
+                                          const ConnectOptions& options) {
+  return Connector(body, component, component_id, original, others, options).Try();
 }
 
 }  // namespace mortise::composer

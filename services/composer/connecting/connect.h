@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -65,6 +66,8 @@ struct ConnectionWarning {
   std::string first;   // of the body
   std::string second;  // of the component
   std::string text;
+  // Further pairs, of the body and of the component, that it is of for the same reason.
+  std::vector<std::pair<std::string, std::string>> others;
 };
 
 struct Connected {
@@ -80,6 +83,12 @@ struct Connected {
       insert_below;  // the group that this is in: the lowest that groups what it connects to
 };
 
+// What would become of connecting.
+struct ConnectTrial {
+  bool is_fastened = false;                 // a connection has connecting parts
+  std::vector<ConnectionWarning> warnings;  // the parts of the component as it calls them
+};
+
 // Returns the body and the component as one. `component_id` names the component's group in the
 // model (see names.h). `original` is null where the component is a whole design by itself.
 // `others` are tried where the original's connections do not fit.
@@ -88,12 +97,17 @@ struct Connected {
 // - The original's connections between the component and the rest come first. Its rest is fitted to
 //   the component as it is now; principals outside are matched to the linked parts of the body
 //   whose boxes are nearest, of the same material (any, where they only touch). Then for each
-//   linked pair without a connection the K nearest of `others`, by descriptor.
+//   linked pair without a connection the K nearest of `others`, by descriptor, of those that let
+//   the component move as it is to (motions.h): a drawer is not screwed to a shelf, nor a shelf
+//   hinged.
+// - What is to stay is fastened to what stays, if it can be, and never to two parts that move
+// against
+//   each other. What is to move gets one joint; all that holds it lets it move so.
 // - A connection is used as it is (ConnectionOptimizer), or where the principals do not fit it,
 //   after the smallest change of both designs within their feasible sets, (5.3), up to
 //   `most_moved`.
 // - No new part runs into another by more than 0.1 mm. What is left without a connection is warned
-//   of.
+//   of, each reason once (connection_warnings.h), but for pairs that must not be fastened.
 //
 // FAILED_PRECONDITION: NOTHING_NEAR if no part of the body is near the component; NOTHING_HOLDS if
 // it touches none, and nothing connects it; COMPONENT_OVERLAPS, naming the parts and the depth, if
@@ -103,5 +117,12 @@ absl::StatusOr<Connected> Connect(const Design& body, const Design& component,
                                   const std::string& component_id, const Original* original,
                                   const std::vector<const CollectionConnection*>& others,
                                   const ConnectOptions& options);
+
+// Says what would become of Connect, but does not put the two together, which takes most of its
+// time where the body is large. Fails as it, but for what only ParametricAssembly::Create finds.
+absl::StatusOr<ConnectTrial> TryToConnect(const Design& body, const Design& component,
+                                          const std::string& component_id, const Original* original,
+                                          const std::vector<const CollectionConnection*>& others,
+                                          const ConnectOptions& options);
 
 }  // namespace mortise::composer

@@ -14,6 +14,7 @@ namespace {
 using parametric::BoundingBox;
 using parametric::Element;
 
+constexpr WantedMotion kMovesAnyhow{true, {}};
 constexpr double kSame = 1e-6;  // m, of descriptors' distances; connections that look alike
 
 std::array<Eigen::Vector4d, 3> PlanesBetween(const BoundingBox& first, const BoundingBox& second) {
@@ -56,12 +57,12 @@ PairDescriptor DescriptorOf(const PrincipalPart& first, const PrincipalPart& sec
           PlanesBetween(first.box, second.box)};
 }
 
-PairDescriptor DescriptorOf(const parametric::ElementConnection& connection, bool exchanged) {
-  const Element& first = connection.elements[exchanged ? 1 : 0];
-  const Element& second = connection.elements[exchanged ? 0 : 1];
-  return {{first.box.size(), second.box.size()},
-          {FixedSizes(first), FixedSizes(second)},
-          PlanesBetween(first.box, second.box)};
+PairDescriptor DescriptorOf(const parametric::ElementConnection& connection, int first,
+                            int second) {
+  const Element& a = connection.elements[static_cast<std::size_t>(first)];
+  const Element& b = connection.elements[static_cast<std::size_t>(second)];
+  return {
+      {a.box.size(), b.box.size()}, {FixedSizes(a), FixedSizes(b)}, PlanesBetween(a.box, b.box)};
 }
 
 double DistanceOf(const PairDescriptor& a, const PairDescriptor& b, double fixed_size_weight) {
@@ -89,23 +90,32 @@ ConnectionIndex::ConnectionIndex(const std::vector<const CollectionConnection*>&
   };
   for (const CollectionConnection* candidate : connections) {
     const parametric::ElementConnection& connection = candidate->connection;
-    if (connection.principal_count() != 2 || connection.connecting.empty()) continue;
-    const std::string& first = kind(connection.elements[0].item);
-    const std::string& second = kind(connection.elements[1].item);
-    by_kinds_[{first, second}].push_back({candidate, false, DescriptorOf(connection, false)});
-    by_kinds_[{second, first}].push_back({candidate, true, DescriptorOf(connection, true)});
+    const int principals = connection.principal_count();
+    if (connection.connecting.empty()) continue;
+    if (principals > 2 && connection.assembly.joints.empty()) continue;
+    for (int i = 0; i < principals; ++i) {
+      for (int j = 0; j < principals; ++j) {
+        if (i == j || (principals > 2 && !Allows(connection, i, j, kMovesAnyhow))) continue;
+        by_kinds_[{kind(connection.elements[static_cast<std::size_t>(i)].item),
+                   kind(connection.elements[static_cast<std::size_t>(j)].item)}]
+            .push_back({candidate, i, j, DescriptorOf(connection, i, j)});
+      }
+    }
   }
 }
 
 std::vector<RankedConnection> ConnectionIndex::Nearest(const PrincipalPart& first,
                                                        const PrincipalPart& second,
+                                                       const WantedMotion& motion,
                                                        double fixed_size_weight, int count) const {
   const auto found = by_kinds_.find({kind_of_(first.item), kind_of_(second.item)});
   if (found == by_kinds_.end()) return {};
   const PairDescriptor wanted = DescriptorOf(first, second);
   std::vector<std::pair<double, std::size_t>> ranked;  // by distance, then in order
   for (std::size_t i = 0; i < found->second.size(); ++i) {
-    ranked.emplace_back(DistanceOf(wanted, found->second[i].descriptor, fixed_size_weight), i);
+    const Entry& entry = found->second[i];
+    if (!Allows(entry.connection->connection, entry.first, entry.second, motion)) continue;
+    ranked.emplace_back(DistanceOf(wanted, entry.descriptor, fixed_size_weight), i);
   }
   // Few are taken of many: a heap need not be sorted whole.
   std::make_heap(ranked.begin(), ranked.end(), std::greater<>());
@@ -119,7 +129,7 @@ std::vector<RankedConnection> ConnectionIndex::Nearest(const PrincipalPart& firs
       return std::abs(known.distance - distance) <= kSame &&
              UseTheSameParts(*known.connection, *entry.connection);
     });
-    if (!is_known) nearest.push_back({entry.connection, entry.exchanged, distance});
+    if (!is_known) nearest.push_back({entry.connection, entry.first, entry.second, distance});
   }
   return nearest;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/composer/connecting/motions.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/model/placed_forms.h"
 
@@ -24,8 +25,8 @@ struct PairDescriptor {
 
 PairDescriptor DescriptorOf(const PrincipalPart& first, const PrincipalPart& second);
 
-// Of a connection with two principals as drawn; exchanged: with its second first.
-PairDescriptor DescriptorOf(const parametric::ElementConnection& connection, bool exchanged);
+// Of two principals of a connection as drawn.
+PairDescriptor DescriptorOf(const parametric::ElementConnection& connection, int first, int second);
 
 // Returns how far apart two are, m: the root of the sum of the squares of all differences. Those of
 // sizes that are fixed in one of the two count `fixed_size_weight` times.
@@ -34,8 +35,10 @@ double DistanceOf(const PairDescriptor& a, const PairDescriptor& b, double fixed
 // A connection of a collection that may be used for a pair.
 struct RankedConnection {
   const CollectionConnection* connection = nullptr;
-  bool exchanged = false;  // its second principal stands for the first part
-  double distance = 0;     // m, of the descriptors
+  // The principals of it that stand for the two parts. There may be others: it is then used without
+  // them (ConnectionsAmong), as the slides of a drawer without its front.
+  int first = 0, second = 1;
+  double distance = 0;  // m, of the descriptors
 };
 
 // Returns what an item may be exchanged for as a principal: any other that it returns the same for,
@@ -43,7 +46,8 @@ struct RankedConnection {
 using KindOfItem = std::function<std::string(const std::string& item)>;
 
 // The connections of a collection that can be used for pairs: those with two principals and with
-// connecting parts. It is made once for all pairs of a component, so that each is only compared
+// connecting parts; and of those with more principals each two that a joint of theirs moves against
+// each other. It is made once for all pairs of a component, so that each is only compared
 // with connections of its own materials.
 class ConnectionIndex {
  public:
@@ -51,15 +55,16 @@ class ConnectionIndex {
   ConnectionIndex(const std::vector<const CollectionConnection*>& connections, KindOfItem kind_of);
 
   // Returns up to `count` connections for two parts, nearest first: those whose principals are of
-  // their kinds. Of connections that look the same the first stands for all. O(connections of these
-  // kinds).
+  // their kinds, and that let the second move against the first as wanted. Of connections that look
+  // the same the first stands for all. O(connections of these kinds).
   std::vector<RankedConnection> Nearest(const PrincipalPart& first, const PrincipalPart& second,
-                                        double fixed_size_weight, int count) const;
+                                        const WantedMotion& motion, double fixed_size_weight,
+                                        int count) const;
 
  private:
   struct Entry {
     const CollectionConnection* connection = nullptr;
-    bool exchanged = false;
+    int first = 0, second = 1;
     PairDescriptor descriptor;
   };
 

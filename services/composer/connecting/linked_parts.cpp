@@ -1,6 +1,7 @@
 #include "services/composer/connecting/linked_parts.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace mortise::composer {
@@ -26,6 +27,18 @@ std::vector<LinkedPair> FindLinkedParts(const std::vector<PrincipalPart>& body,
     return std::tie(a.apart, a.body, a.component) < std::tie(b.apart, b.body, b.component);
   });
   return linked;
+}
+
+LinkedPair NearestParts(const std::vector<PrincipalPart>& body,
+                        const std::vector<PrincipalPart>& component) {
+  LinkedPair nearest{0, 0, std::numeric_limits<double>::infinity()};
+  for (std::size_t w = 0; w < body.size(); ++w) {
+    for (std::size_t a = 0; a < component.size(); ++a) {
+      const double apart = DistanceBetween(body[w].box, component[a].box);
+      if (apart < nearest.apart) nearest = {static_cast<int>(w), static_cast<int>(a), apart};
+    }
+  }
+  return nearest;
 }
 
 }  // namespace mortise::composer

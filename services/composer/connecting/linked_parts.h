@@ -23,4 +23,9 @@ std::vector<LinkedPair> FindLinkedParts(const std::vector<PrincipalPart>& body,
                                         const std::vector<PrincipalPart>& component,
                                         double distance, double least);
 
+// Returns the two parts that are least apart (DistanceBetween), the first of such by index; there
+// is at least one of each. O(parts · parts).
+LinkedPair NearestParts(const std::vector<PrincipalPart>& body,
+                        const std::vector<PrincipalPart>& component);
+
 }  // namespace mortise::composer

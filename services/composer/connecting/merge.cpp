@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "common/assembly/model/rest_pose.h"
 #include "common/base/errors.h"
+#include "services/composer/connecting/motions.h"
 #include "services/composer/model/names.h"
 
 namespace mortise::composer {
@@ -129,8 +129,7 @@ class Merger {
       made.parts.push_back(part.name);
       made_.parts.push_back({Provenance::From::kConnection, from.source, drawn.name});
     }
-    // What only touches has no hinge.
-    if (!connection.connecting.empty()) AddJoints(used);
+    if (used.with_joint) AddJoints(used);
   }
 
   // Connecting parts that a joint of the connection moves with the component go on moving with it.
@@ -143,18 +142,14 @@ class Merger {
   }
 
   void AddJoints(const UsedConnection& used) {
-    const ElementConnection& connection = used.candidate.from->connection;
     const std::optional<int> moving = JointOfComponent(used.candidate);
     if (!moving || has_joint_) return;
     has_joint_ = true;  // a group has one: both slides of a drawer tell of the same
-    const Joint& joint = connection.assembly.joints[static_cast<std::size_t>(*moving)];
-    Joint& made = assembly().joints.emplace_back(joint);
-    made.name = TakeName(joint.name, joints_taken_);
-    made.group = root_;
-    made.center = used.placed.q.segment<3>(
-        parametric::JointVariable(connection.elements.size(), *moving, Axis::kX));
-    made_.joints.push_back(
-        {Provenance::From::kConnection, used.candidate.from->source, joint.name});
+    const Joint& made =
+        assembly().joints.emplace_back(JointWhere(used.candidate, used.placed, *moving));
+    made_.joints.push_back({Provenance::From::kConnection, used.candidate.from->source, made.name});
+    assembly().joints.back().name = TakeName(made.name, joints_taken_);
+    assembly().joints.back().group = root_;
   }
 
   const BothSides& sides_;
@@ -167,22 +162,6 @@ class Merger {
 };
 
 }  // namespace
-
-std::optional<int> JointOfComponent(const Candidate& candidate) {
-  const ElementConnection& connection = candidate.from->connection;
-  const auto moves_the_component = [&](const Joint& joint) {
-    for (std::size_t i = 0; i < candidate.principals.size(); ++i) {
-      const bool moves =
-          parametric::IsWithin(connection.assembly, connection.elements[i].group, joint.group);
-      if (moves != candidate.principals[i].of_component) return false;
-    }
-    return true;
-  };
-  const auto& joints = connection.assembly.joints;
-  const auto found = std::find_if(joints.begin(), joints.end(), moves_the_component);
-  if (found == joints.end()) return std::nullopt;
-  return static_cast<int>(found - joints.begin());
-}
 
 absl::StatusOr<Merged> Merge(const BothSides& sides, const std::string& component_id,
                              const std::vector<UsedConnection>& used) {

@@ -17,6 +17,9 @@ struct UsedConnection {
   Candidate candidate;
   parametric::OptimizedConnection placed;
   double moved_by = 0;  // m
+  // Whether a joint of the connection comes with it. What only touches has no hinge, unless
+  // touching is all that holds what the joint moves, as guides do.
+  bool with_joint = true;
 };
 
 struct Merged {
@@ -28,10 +31,6 @@ struct Merged {
   // What the component's parts, as it is drawn now, are called in the assembly.
   std::map<std::string, std::string> component_names;
 };
-
-// Returns the joint of a connection, by its index there, that moved what the component's parts
-// stand for and nothing else: with it the component moves against the body.
-std::optional<int> JointOfComponent(const Candidate& candidate);
 
 // Returns the body and the component drawn as they are now, and the connecting parts. The
 // component's root becomes a group called as its id, in the lowest group of the body that contains

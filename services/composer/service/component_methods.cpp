@@ -188,16 +188,6 @@ absl::Status AddTurned(const OpenModel& model, const std::string& own,
   return absl::OkStatus();
 }
 
-// How a component is connected whose connections come from these assemblies.
-ConnectOptions OptionsFor(const Drawing& body, const ConnectionOrigins& sources) {
-  ConnectOptions options;
-  options.material_of = [materials = MaterialsOf(body, sources)](const std::string& item) {
-    const auto found = materials.find(item);
-    return found == materials.end() ? std::string() : found->second;
-  };
-  return options;
-}
-
 void SetAlignments(const std::vector<Alignment>& alignments, v1::ModelComponent* component) {
   component->clear_alignments();
   for (const Alignment& alignment : alignments) {
@@ -233,6 +223,11 @@ void TellOf(const Connected& connected, const ConnectionOrigins& sources,
     added.set_element(warning.second);
     added.set_other_element(warning.first);
     added.set_text(warning.text);
+    for (const auto& [first, second] : warning.others) {
+      v1::ElementPair* const other = added.add_others();
+      other->set_element(second);
+      other->set_other_element(first);
+    }
   }
 }
 
@@ -323,10 +318,10 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
   // AddComponent has seen to it that the two go together.
   v1::AssemblyBundle together = body->bundle;
   if (CombineItems(origin->bundle, &together).ok()) LeaveOutOtherItems(together, sources);
-  MORTISE_ASSIGN_OR_RETURN(
-      const Connected connected,
-      Connect(model.body->design, loose->part.design, asked.component(),
-              original ? &*original : nullptr, ConnectionsIn(sources), OptionsFor(*body, sources)));
+  MORTISE_ASSIGN_OR_RETURN(const Connected connected,
+                           Connect(model.body->design, loose->part.design, asked.component(),
+                                   original ? &*original : nullptr, ConnectionsIn(sources),
+                                   ConnectOptionsFor(*body, sources)));
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeConnected(connected, asked.component(), {*body, *origin, sources},
                                          drawings, GivenUpWith(call), &model));

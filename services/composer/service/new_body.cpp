@@ -77,6 +77,23 @@ std::map<std::string, std::string> DrawnAs(const Redrawn& redrawn) {
   return drawn_as;
 }
 
+// Keeps of a warning the pairs that are there still, if there are any.
+bool KeepPairs(const std::set<std::string>& parts, v1::ModelWarning* warning) {
+  const auto is_gone = [&](const auto& pair) {
+    return !parts.contains(pair.element()) || !parts.contains(pair.other_element());
+  };
+  auto& others = *warning->mutable_others();
+  others.erase(std::remove_if(others.begin(), others.end(), is_gone), others.end());
+  if (!is_gone(*warning)) return true;
+  if (others.empty()) return false;
+  warning->set_element(others[0].element());
+  warning->set_other_element(others[0].other_element());
+  warning->set_text(absl::StrCat("nothing holds '", others[0].other_element(), "' and '",
+                                 others[0].element(), "' together"));
+  others.erase(others.begin());
+  return true;
+}
+
 // Forgets the components of which the body has no part any more, and warnings about what is gone.
 void ForgetWhatIsGone(const parametric::Assembly& body, OpenModel* model) {
   std::set<std::string> there;
@@ -87,10 +104,9 @@ void ForgetWhatIsGone(const parametric::Assembly& body, OpenModel* model) {
   });
   std::set<std::string> parts;
   for (const parametric::AssemblyPart& part : body.parts) parts.insert(part.name);
-  std::erase_if(model->warnings, [&](const v1::ModelWarning& warning) {
+  std::erase_if(model->warnings, [&](v1::ModelWarning& warning) {
     if (IsOfUnheld(warning)) return false;
-    return !there.contains(warning.component()) || !parts.contains(warning.element()) ||
-           !parts.contains(warning.other_element());
+    return !there.contains(warning.component()) || !KeepPairs(parts, &warning);
   });
 }
 

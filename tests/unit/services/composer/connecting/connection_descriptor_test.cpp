@@ -10,6 +10,8 @@
 namespace mortise::composer {
 namespace {
 
+const WantedMotion kFirm;
+
 std::string SameItem(const std::string& item) { return item; }
 std::string AnyItem(const std::string&) { return ""; }
 
@@ -26,7 +28,7 @@ TEST(ConnectionDescriptorTest, ADesignFindsItsOwnConnections) {
   const Design& design = ShippedDesign("bookshelf");
   const auto nearest =
       ConnectionIndex(AllShippedConnections(), SameItem)
-          .Nearest(PartNamed(design, "side 2"), PartNamed(design, "shelf 4"), 4, 5);
+          .Nearest(PartNamed(design, "side 2"), PartNamed(design, "shelf 4"), kFirm, 4, 5);
   ASSERT_EQ(nearest.size(), 5U);
   EXPECT_NEAR(nearest[0].distance, 0, 1e-9);
   EXPECT_EQ(nearest[0].connection->source, "assemblies/bookshelf");
@@ -41,9 +43,10 @@ TEST(ConnectionDescriptorTest, ItDoesNotMatterWhichIsTheFirst) {
   const Design& design = ShippedDesign("bookshelf");
   const auto nearest =
       ConnectionIndex(AllShippedConnections(), SameItem)
-          .Nearest(PartNamed(design, "shelf 4"), PartNamed(design, "side 2"), 4, 1);
+          .Nearest(PartNamed(design, "shelf 4"), PartNamed(design, "side 2"), kFirm, 4, 1);
   ASSERT_EQ(nearest.size(), 1U);
-  EXPECT_TRUE(nearest[0].exchanged);
+  EXPECT_EQ(nearest[0].first, 1);
+  EXPECT_EQ(nearest[0].second, 0);
   EXPECT_NEAR(nearest[0].distance, 0, 1e-9);
 }
 
@@ -53,9 +56,25 @@ TEST(ConnectionDescriptorTest, MaterialsMustMatch) {
   side.item = "items/of-nothing-there-is";
   const PrincipalPart shelf = PartNamed(design, "shelf 4");
   EXPECT_TRUE(
-      ConnectionIndex(AllShippedConnections(), SameItem).Nearest(side, shelf, 4, 5).empty());
+      ConnectionIndex(AllShippedConnections(), SameItem).Nearest(side, shelf, kFirm, 4, 5).empty());
   EXPECT_FALSE(
-      ConnectionIndex(AllShippedConnections(), AnyItem).Nearest(side, shelf, 4, 5).empty());
+      ConnectionIndex(AllShippedConnections(), AnyItem).Nearest(side, shelf, kFirm, 4, 5).empty());
+}
+
+// The slides of the drawers lie against their fronts, too.
+TEST(ConnectionDescriptorTest, ADrawerFindsSlidesAndNothingElse) {
+  const Design& design = ShippedDesign("tool_cart");
+  const auto nearest =
+      ConnectionIndex(AllShippedConnections(), AnyItem)
+          .Nearest(PartNamed(design, "upright 1.1"), PartNamed(design, "drawer side 1"),
+                   {true, parametric::JointKind::kPrismatic}, 4, 5);
+  ASSERT_FALSE(nearest.empty());
+  EXPECT_NEAR(nearest[0].distance, 0, 1e-9);
+  for (const RankedConnection& one : nearest) {
+    ASSERT_FALSE(one.connection->connection.assembly.joints.empty());
+    EXPECT_EQ(one.connection->connection.assembly.joints[0].kind,
+              parametric::JointKind::kPrismatic);
+  }
 }
 
 TEST(ConnectionDescriptorTest, FixedSizesCountMore) {

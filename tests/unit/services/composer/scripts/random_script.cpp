@@ -410,6 +410,10 @@ class Script {
     for (const ConnectionWarning& warning : made.warnings) {
       of_body.insert(warning.first);
       of_piece.insert(warning.second);
+      for (const auto& [first, second] : warning.others) {
+        of_body.insert(first);
+        of_piece.insert(second);
+      }
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const Provenance& from = made.parts[i];

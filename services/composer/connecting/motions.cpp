@@ -1,0 +1,153 @@
+#include "services/composer/connecting/motions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "absl/strings/ascii.h"
+#include "common/assembly/model/rest_pose.h"
+
+namespace mortise::composer {
+namespace {
+
+using parametric::Assembly;
+using parametric::ElementConnection;
+using parametric::Joint;
+using parametric::JointKind;
+
+constexpr double kParallel = 1 - 1e-6;  // cosine
+constexpr std::array<const char*, 6> kMoving{"drawer", "door", "lid", "flap", "hatch", "gate"};
+
+bool Moves(const ElementConnection& connection, const Joint& joint, int principal) {
+  return parametric::IsWithin(connection.assembly,
+                              connection.elements[static_cast<std::size_t>(principal)].group,
+                              joint.group);
+}
+
+std::vector<int> FramesOf(const Design& design, const std::vector<PrincipalPart>& parts) {
+  const Assembly& assembly = design.assembly->assembly();
+  std::set<int> moved;
+  for (const Joint& joint : assembly.joints) moved.insert(joint.group);
+  std::map<std::string, int> group_of;
+  for (const auto& part : assembly.parts) group_of[part.name] = part.group;
+  std::vector<int> frames;
+  for (const PrincipalPart& part : parts) {
+    int group = group_of.at(part.drawn_as);
+    while (group > 0 && !moved.contains(group)) {
+      group = assembly.groups[static_cast<std::size_t>(group)].parent;
+    }
+    frames.push_back(group);
+  }
+  return frames;
+}
+
+}  // namespace
+
+bool IsMeantToMove(const std::string& name) {
+  const auto is_letter = [](char letter) { return absl::ascii_isalpha(letter); };
+  const auto last = std::find_if(name.rbegin(), name.rend(), is_letter);
+  const auto first = std::find_if_not(last, name.rend(), is_letter);
+  const std::string word = absl::AsciiStrToLower(std::string(first.base(), last.base()));
+  return std::find(kMoving.begin(), kMoving.end(), word) != kMoving.end();
+}
+
+const char* VerbOf(const WantedMotion& motion) {
+  if (!motion.kind) return "move";
+  return *motion.kind == JointKind::kPrismatic ? "slide" : "turn";
+}
+
+WantedMotion WantedMotionOf(const std::vector<PrincipalPart>& component, const std::string& name,
+                            const Joint* joint) {
+  if (joint != nullptr) return {true, joint->kind};
+  const bool moves =
+      IsMeantToMove(name) || (component.size() == 1 && IsMeantToMove(component.front().name));
+  return {moves, std::nullopt};
+}
+
+const Joint* OwnJointOf(const Assembly& original, const std::vector<PrincipalPart>& component) {
+  std::set<std::string> own;
+  for (const PrincipalPart& part : component) own.insert(part.drawn_as);
+  const auto moves_it = [&](const Joint& joint) {
+    return std::all_of(original.parts.begin(), original.parts.end(), [&](const auto& part) {
+      return part.connecting ||
+             own.contains(part.name) == parametric::IsWithin(original, part.group, joint.group);
+    });
+  };
+  const auto found = std::find_if(original.joints.begin(), original.joints.end(), moves_it);
+  return found == original.joints.end() ? nullptr : &*found;
+}
+
+bool Allows(const ElementConnection& connection, int first, int second,
+            const WantedMotion& wanted) {
+  const auto& joints = connection.assembly.joints;
+  if (!wanted.moves) {
+    return std::none_of(joints.begin(), joints.end(), [&](const Joint& joint) {
+      return Moves(connection, joint, first) != Moves(connection, joint, second);
+    });
+  }
+  return std::any_of(joints.begin(), joints.end(), [&](const Joint& joint) {
+    return Moves(connection, joint, second) && !Moves(connection, joint, first) &&
+           (!wanted.kind || *wanted.kind == joint.kind);
+  });
+}
+
+std::optional<int> JointOfComponent(const Candidate& candidate) {
+  const ElementConnection& connection = candidate.from->connection;
+  const auto moves_the_component = [&](const Joint& joint) {
+    for (std::size_t i = 0; i < candidate.principals.size(); ++i) {
+      if (Moves(connection, joint, static_cast<int>(i)) != candidate.principals[i].of_component) {
+        return false;
+      }
+    }
+    return true;
+  };
+  const auto& joints = connection.assembly.joints;
+  const auto found = std::find_if(joints.begin(), joints.end(), moves_the_component);
+  if (found == joints.end()) return std::nullopt;
+  return static_cast<int>(found - joints.begin());
+}
+
+Joint JointWhere(const Candidate& candidate, const parametric::OptimizedConnection& placed,
+                 int joint) {
+  const ElementConnection& connection = candidate.from->connection;
+  Joint made = connection.assembly.joints[static_cast<std::size_t>(joint)];
+  made.center =
+      placed.q.segment<3>(parametric::JointVariable(connection.elements.size(), joint, Axis::kX));
+  return made;
+}
+
+bool MoveAlike(const Joint& a, const Joint& b, double tolerance) {
+  if (a.kind != b.kind) return false;
+  const Eigen::Vector3d apart = a.center - b.center;
+  if (a.kind == JointKind::kBall) return apart.norm() <= tolerance;
+  if (std::abs(a.axis.dot(b.axis)) < kParallel) return false;
+  return a.kind == JointKind::kPrismatic || apart.cross(a.axis).norm() <= tolerance;
+}
+
+MovingFrames::MovingFrames(const BothSides& sides)
+    : body_(FramesOf(sides.body, sides.body_parts)),
+      component_(FramesOf(sides.component, sides.component_parts)) {}
+
+bool MovingFrames::BothStay(int body, int component) const {
+  return body_[static_cast<std::size_t>(body)] == 0 &&
+         component_[static_cast<std::size_t>(component)] == 0;
+}
+
+bool MovingFrames::MayFasten(int body, int component) const {
+  const int a = body_[static_cast<std::size_t>(body)];
+  const int b = component_[static_cast<std::size_t>(component)];
+  const auto others = component_of_body_.find(a), its = body_of_component_.find(b);
+  return (others == component_of_body_.end() || others->second == b) &&
+         (its == body_of_component_.end() || its->second == a);
+}
+
+void MovingFrames::Fasten(int body, int component) {
+  const int a = body_[static_cast<std::size_t>(body)];
+  const int b = component_[static_cast<std::size_t>(component)];
+  component_of_body_.emplace(a, b);
+  body_of_component_.emplace(b, a);
+}
+
+}  // namespace mortise::composer

@@ -1,0 +1,77 @@
+// How a component is to move against the body that it is connected to: a drawer slides, a door
+// turns, a shelf does neither (thesis §3.5.1, §5.6).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/assembly/model/assembly.h"
+#include "services/composer/connecting/candidate.h"
+#include "services/composer/connecting/part_connection.h"
+#include "services/composer/model/placed_forms.h"
+
+namespace mortise::composer {
+
+// Whether a group or part is to move by its name, our own: one that ends in "drawer", "door",
+// "lid", "flap", "hatch" or "gate", but for numbers: "left-door", "drawer 2"; not "door frame".
+bool IsMeantToMove(const std::string& name);
+
+// Which motion a connection must allow to what stands for one of its principals, against the other.
+struct WantedMotion {
+  bool moves = false;                         // else it is to be firm
+  std::optional<parametric::JointKind> kind;  // any, where that is not known
+};
+
+// "slide", "turn", or "move" where it is not known which.
+const char* VerbOf(const WantedMotion& motion);
+
+// Returns how a component is to move. `joint` is that of its original design that moves it as a
+// whole (OwnJointOf), null without one; then its name in the model says (IsMeantToMove), or that of
+// its only principal part.
+WantedMotion WantedMotionOf(const std::vector<PrincipalPart>& component, const std::string& name,
+                            const parametric::Joint* joint);
+
+// Returns the joint of a design that moves those principal parts that the component has, and no
+// others; null if there is none.
+const parametric::Joint* OwnJointOf(const parametric::Assembly& original,
+                                    const std::vector<PrincipalPart>& component);
+
+// Whether a connection lets one of its principals, `second`, move as wanted against another,
+// `first`, that stays.
+bool Allows(const parametric::ElementConnection& connection, int first, int second,
+            const WantedMotion& wanted);
+
+// Returns the joint of a connection, by its index there, that moved what the component's parts
+// stand for and nothing else: with it the component moves against the body.
+std::optional<int> JointOfComponent(const Candidate& candidate);
+
+// Returns that joint, which there must be, where the connection is placed.
+parametric::Joint JointWhere(const Candidate& candidate,
+                             const parametric::OptimizedConnection& placed, int joint);
+
+// Whether two joints allow the same motion: along or about one axis, or about one point, to
+// `tolerance`, m.
+bool MoveAlike(const parametric::Joint& a, const parametric::Joint& b, double tolerance);
+
+// Which parts of a component may be fastened to which of a body: never two parts that joints move
+// against each other to one that is firm.
+class MovingFrames {
+ public:
+  MovingFrames(const BothSides& sides);
+
+  // Whether neither of the two is moved by a joint of its own side.
+  bool BothStay(int body, int component) const;
+  // Whether the two may be fastened to each other with all that is so far.
+  bool MayFasten(int body, int component) const;
+  void Fasten(int body, int component);
+
+ private:
+  // Of each part the innermost group that a joint moves and that it is in, 0 for what stays: parts
+  // with the same number are firm to each other.
+  std::vector<int> body_, component_;
+  std::map<int, int> component_of_body_, body_of_component_;  // what is fastened
+};
+
+}  // namespace mortise::composer
