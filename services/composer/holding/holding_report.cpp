@@ -10,6 +10,8 @@
 #include "common/base/errors.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/holding/joint_rules.h"
+#include "services/composer/holding/loose_fasteners.h"
+#include "services/composer/holding/motion_rules.h"
 
 namespace mortise::composer {
 namespace {
@@ -153,7 +155,8 @@ absl::StatusOr<HoldingReport> CheckHolding(const Design& design,
                            ConnectionsOf(drawn.name, drawn));
   report.joints = JointsOf(drawn, connections, items, materials);
   for (auto judged :
-       {JudgeWhole(PrincipalNames(drawn), report.joints), JudgeJoints(report.joints)}) {
+       {JudgeWhole(PrincipalNames(drawn), report.joints), JudgeMotion(drawn, report.joints),
+        FindLooseFasteners(drawn, items, materials), JudgeJoints(report.joints)}) {
     std::move(judged.begin(), judged.end(), std::back_inserter(report.findings));
   }
   report.findings = Ordered(std::move(report.findings));

@@ -32,6 +32,22 @@ FastenerKind KindOf(ItemKind kind) {
   }
 }
 
+bool IsRound(ItemKind kind) {
+  return kind == ItemKind::kDowel || kind == ItemKind::kTube || kind == ItemKind::kThreadedRod ||
+         kind == ItemKind::kWheel || kind == ItemKind::kBearing;
+}
+
+double LongestContact(const parametric::ElementConnection& connection) {
+  double longest = 0;
+  for (const parametric::ConnectionPatch& patch : connection.patches) {
+    if (patch.kind != parametric::PatchKind::kContact) continue;
+    longest = std::max(longest, patch.region.size().maxCoeff());
+  }
+  return longest;
+}
+
+}  // namespace
+
 Fastener FastenerOf(const AssemblyPart& part, const std::vector<Item>& items) {
   Fastener fastener;
   fastener.name = part.name;
@@ -44,11 +60,6 @@ Fastener FastenerOf(const AssemblyPart& part, const std::vector<Item>& items) {
   fastener.axis = static_cast<int>(part.item_axes[0]);
   fastener.diameter = item->dimensions[1].size;
   return fastener;
-}
-
-bool IsRound(ItemKind kind) {
-  return kind == ItemKind::kDowel || kind == ItemKind::kTube || kind == ItemKind::kThreadedRod ||
-         kind == ItemKind::kWheel || kind == ItemKind::kBearing;
 }
 
 JoinedPart JoinedPartOf(const AssemblyPart& part, const std::vector<Item>& items,
@@ -67,17 +78,6 @@ JoinedPart JoinedPartOf(const AssemblyPart& part, const std::vector<Item>& items
   joined.is_metal = material != nullptr && material->density >= kDensityOfMetal;
   return joined;
 }
-
-double LongestContact(const parametric::ElementConnection& connection) {
-  double longest = 0;
-  for (const parametric::ConnectionPatch& patch : connection.patches) {
-    if (patch.kind != parametric::PatchKind::kContact) continue;
-    longest = std::max(longest, patch.region.size().maxCoeff());
-  }
-  return longest;
-}
-
-}  // namespace
 
 std::vector<Joint> JointsOf(const Assembly& drawn,
                             const std::vector<CollectionConnection>& connections,

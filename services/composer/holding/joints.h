@@ -46,6 +46,15 @@ struct Joint {
   bool moves = false;  // a joint of the assembly moves some of them against others
 };
 
+// A connecting part as a fastener. One whose item is not among `items` is hardware.
+Fastener FastenerOf(const parametric::AssemblyPart& part,
+                    const std::vector<parametric::Item>& items);
+
+// A principal part as part of a joint.
+JoinedPart JoinedPartOf(const parametric::AssemblyPart& part,
+                        const std::vector<parametric::Item>& items,
+                        const std::vector<parametric::Material>& materials);
+
 // Returns the joints of an assembly as it is drawn: its connections part by part (ConnectionsOf).
 // Items that are not among `items` make hardware.
 std::vector<Joint> JointsOf(const parametric::Assembly& drawn,

@@ -2,25 +2,37 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/composer/connecting/part_connection.h"
 #include "services/composer/holding/joint_rules.h"
 #include "services/composer/holding/joints.h"
+#include "services/composer/holding/motion_rules.h"
 
 namespace mortise::composer {
 
-absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(const Design& design) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Assembly drawn, DrawnAt(design));
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<CollectionConnection> connections,
-                           ConnectionsOf(drawn.name, drawn));
-  // What the fasteners are does not matter for whether there are any.
-  const std::vector<Joint> joints = JointsOf(drawn, connections, {}, {});
+std::vector<UnheldParts> FindUnheldParts(const parametric::Assembly& drawn,
+                                         const std::vector<CollectionConnection>& connections,
+                                         const std::vector<parametric::Item>& items) {
+  // What the principals are made of does not matter.
+  const std::vector<Joint> joints = JointsOf(drawn, connections, items, {});
   std::vector<UnheldParts> unheld;
   for (Finding& finding : JudgeWhole(PrincipalNames(drawn), joints)) {
     if (finding.rule != kUnconnected && finding.rule != kOnlyTouches) continue;
+    unheld.push_back(
+        {std::move(finding.parts), absl::StrCat("held by nothing now: ", finding.text)});
+  }
+  for (Finding& finding : JudgeMotion(drawn, joints)) {
     unheld.push_back({std::move(finding.parts), std::move(finding.text)});
   }
   return unheld;
+}
+
+absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(
+    const Design& design, const std::vector<parametric::Item>& items) {
+  MORTISE_ASSIGN_OR_RETURN(const parametric::Assembly drawn, DrawnAt(design));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<CollectionConnection> connections,
+                           ConnectionsOf(drawn.name, drawn));
+  return FindUnheldParts(drawn, connections, items);
 }
 
 }  // namespace mortise::composer

@@ -322,13 +322,20 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
                            Connect(model.body->design, loose->part.design, asked.component(),
                                    original ? &*original : nullptr, ConnectionsIn(sources),
                                    ConnectOptionsFor(*body, sources)));
+  UnheldBefore before;
+  MORTISE_ASSIGN_OR_RETURN(
+      before.component,
+      UnheldByDesign(original ? original->design : loose->part.design, *own, *origin));
+  if (!IsFastened(connected)) {
+    MORTISE_ASSIGN_OR_RETURN(before.body, UnheldByDesign(model, *body));
+  }
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeConnected(connected, asked.component(), {*body, *origin, sources},
                                          drawings, GivenUpWith(call), &model));
   MORTISE_ASSIGN_OR_RETURN(v1::ModelComponent* const component,
                            FindComponent(model, asked.component()));
   TellOf(connected, sources, component, &model);
-  MORTISE_RETURN_IF_ERROR(WarnOfStillUnheld(&model));
+  MORTISE_RETURN_IF_ERROR(WarnOfUnheldNow(connected, before, *drawing, &model));
   return at_work.Done(absl::StrCat("connect ", asked.component()), {drawing});
 }
 
@@ -358,10 +365,12 @@ absl::StatusOr<ModelChange> RemoveNode(const Composer& composer, const rpc::Call
     return at_work.Done(absl::StrCat("remove ", asked.component()));
   }
   MORTISE_RETURN_IF_ERROR(FindDesign(model, "").status());
-  MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> by_design, UnheldByDesign(model));
+  MORTISE_ASSIGN_OR_RETURN(const auto before,
+                           composer.drawings.Get(model.name, model.body->drawing));
+  MORTISE_ASSIGN_OR_RETURN(const std::set<std::string> by_design, UnheldByDesign(model, *before));
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            TakeWithout(asked.node(), composer.drawings, GivenUpWith(call), &model));
-  MORTISE_RETURN_IF_ERROR(WarnOfUnheld(by_design, &model));
+  MORTISE_RETURN_IF_ERROR(WarnOfUnheld(by_design, *drawing, &model));
   return at_work.Done(absl::StrCat("remove ", asked.node()), {drawing});
 }
 

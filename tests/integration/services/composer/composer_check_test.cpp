@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -78,6 +79,47 @@ TEST_F(ComposerCheckTest, IsOfTheModelAsItIsNow) {
   ASSERT_TRUE(after.ok()) << after.status();
   EXPECT_EQ(after->revision(), wider->revision());
   EXPECT_GT(after->mass(), before->mass());
+}
+
+// A board on a table that is called a drawer: no slides of the collection are for it, and it is not
+// screwed down instead. That is said when it is connected, by the check, and after it is saved.
+TEST_F(ComposerCheckTest, WhatIsToMoveAndIsHeldByNothingIsSaidEverywhere) {
+  v1::Model model = house_->New("odd");
+  model = house_->Add(model, "dining-table", "", "table").value_or(model);
+  v1::AddComponentRequest add;
+  add.set_template_("templates/bookshelf");
+  add.set_group("shelf 3");
+  add.set_component_id("my-drawer");
+  add.mutable_position()->set_x(0.8);
+  add.mutable_position()->set_y(0.45);
+  add.mutable_position()->set_z(0.74);
+  const auto added = house_->Change(&Stub::AddComponent, model, add);
+  ASSERT_TRUE(added.ok()) << added.status();
+  const auto connected = house_->Connect(*added, "my-drawer");
+  ASSERT_TRUE(connected.ok()) << connected.status();
+  for (const v1::ModelConnection& made : ComponentOf(*connected, "my-drawer").connections()) {
+    EXPECT_THAT(made.parts(), IsEmpty());
+  }
+  ASSERT_EQ(connected->warnings_size(), 2);
+  const v1::ModelWarning& moves = connected->warnings(0);
+  EXPECT_THAT(moves.text(), HasSubstr("'my-drawer' is to move"));
+  EXPECT_EQ(moves.element(), "shelf 3");
+  EXPECT_EQ(moves.other_element(), "top board");
+  const v1::ModelWarning& unheld = connected->warnings(1);
+  EXPECT_EQ(unheld.component(), "my-drawer");
+  EXPECT_THAT(unheld.elements(), ::testing::ElementsAre("shelf 3"));
+  const auto check = Check(model.name());
+  ASSERT_TRUE(check.ok()) << check.status();
+  const auto finding =
+      std::find_if(check->findings().begin(), check->findings().end(),
+                   [](const v1::CheckFinding& each) { return each.rule() == "only-touches"; });
+  ASSERT_NE(finding, check->findings().end());
+  EXPECT_THAT(finding->parts(), ::testing::ElementsAre("shelf 3"));
+  const auto saved = house_->Save(*connected, "odd-table");
+  ASSERT_TRUE(saved.ok()) << saved.status();
+  const auto after = house_->Get(model.name());
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_EQ(after->warnings_size(), 2);
 }
 
 // A template that is saved with its loads can be evaluated with them.

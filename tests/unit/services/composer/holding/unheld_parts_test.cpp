@@ -33,7 +33,8 @@ TEST(UnheldPartsTest, ALegIsHeldByEitherOfItsAprons) {
   for (const std::vector<std::string>& nodes :
        {std::vector<std::string>{}, {"long apron 1"}, {"short apron 1"}}) {
     ASSERT_OK_AND_ASSIGN(const Design design, Without("dining_table", nodes));
-    ASSERT_OK_AND_ASSIGN(const std::vector<UnheldParts> unheld, FindUnheldParts(design));
+    ASSERT_OK_AND_ASSIGN(const std::vector<UnheldParts> unheld,
+                         FindUnheldParts(design, parametric::ShippedItems()));
     EXPECT_THAT(unheld, IsEmpty());
   }
 }
@@ -41,7 +42,8 @@ TEST(UnheldPartsTest, ALegIsHeldByEitherOfItsAprons) {
 TEST(UnheldPartsTest, ALegWithoutItsApronsIsNot) {
   ASSERT_OK_AND_ASSIGN(const Design design,
                        Without("dining_table", {"long apron 1", "short apron 1"}));
-  ASSERT_OK_AND_ASSIGN(const std::vector<UnheldParts> unheld, FindUnheldParts(design));
+  ASSERT_OK_AND_ASSIGN(const std::vector<UnheldParts> unheld,
+                       FindUnheldParts(design, parametric::ShippedItems()));
   ASSERT_THAT(unheld, SizeIs(1));
   EXPECT_THAT(unheld[0].parts, ElementsAre("leg 1.1"));
   EXPECT_FALSE(unheld[0].text.empty());
@@ -50,7 +52,7 @@ TEST(UnheldPartsTest, ALegWithoutItsApronsIsNot) {
 // Its plinth and back are drawn without anything that fastens them.
 TEST(UnheldPartsTest, WhatMayBeGluedIsAmongThem) {
   ASSERT_OK_AND_ASSIGN(const std::vector<UnheldParts> unheld,
-                       FindUnheldParts(ShippedDesign("bookshelf")));
+                       FindUnheldParts(ShippedDesign("bookshelf"), parametric::ShippedItems()));
   std::vector<std::string> parts;
   for (const UnheldParts& one : unheld) {
     parts.insert(parts.end(), one.parts.begin(), one.parts.end());

@@ -1,0 +1,32 @@
+// Rules of parts that are to move: a drawer that is screwed to a shelf cannot be opened.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/assembly/model/assembly.h"
+#include "services/composer/holding/finding.h"
+#include "services/composer/holding/joints.h"
+
+namespace mortise::composer {
+
+inline constexpr char kScrewedFast[] = "screwed-fast";
+inline constexpr char kCannotMove[] = "cannot-move";
+
+// Returns what keeps parts that are to move from moving, our own. `joints` are those of JointsOf,
+// made with the items.
+//
+//   screwed-fast  a fault: a joint of the assembly moves a part, but a screw, bolt or dowel goes
+//                 from it into a part that stays, or a bracket is fastened to both. What lies on
+//                 the axis of a hinge, goes through the middle of a ball, or is smooth and lies
+//                 along a slide may do so
+//   cannot-move   a warning: a group or a part is meant to move (IsMeantToMove, motions.h), nothing
+//   moves it
+//                 or what it is in, and it is fastened so to what is beside it
+//
+// Each joint or group is told of once, with all parts of it that are held, and of what holds them
+// the first few.
+std::vector<Finding> JudgeMotion(const parametric::Assembly& drawn,
+                                 const std::vector<Joint>& joints);
+
+}  // namespace mortise::composer
