@@ -28,6 +28,17 @@ std::string PriceText(bool is_known, const v1::Money& price) {
   return is_known ? absl::StrFormat("%.2f %s", price.amount(), price.currency()) : "unknown";
 }
 
+std::string TrialText(const v1::ComponentSuggestion& suggestion) {
+  switch (suggestion.trial()) {
+    case v1::ComponentSuggestion::FITS:
+      return "fits";
+    case v1::ComponentSuggestion::HELD_IN_PART:
+      return absl::StrCat("held in part: ", suggestion.trial_text());
+    default:
+      return "was not tried";
+  }
+}
+
 absl::Status Bill(const BillOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   v1::GetModelBillRequest request;
@@ -74,9 +85,9 @@ absl::Status Suggest(const SuggestOptions& options, Session& session, Output& ou
     rows.push_back({absl::StrFormat("%.2f", each.score()), each.template_(), each.group(),
                     absl::StrFormat("%.4g, %.4g, %.4g", each.position().x(), each.position().y(),
                                     each.position().z()),
-                    PriceText(each.has_price(), each.price()), each.text()});
+                    PriceText(each.has_price(), each.price()), TrialText(each), each.text()});
   }
-  output.Table({"score", "template", "group", "at", "price", "why"}, rows);
+  output.Table({"score", "template", "group", "at", "price", "tried", "why"}, rows);
   if (found.suggestions().empty()) {
     output.Line("nothing in the catalog goes beside such parts, and is missing");
   }

@@ -22,6 +22,7 @@
 #include "services/composer/service/bundle_contents.h"
 #include "services/composer/service/open_model.h"
 #include "services/composer/suggestions/suggest.h"
+#include "services/composer/suggestions/try_suggestion.h"
 
 namespace mortise::composer::methods {
 namespace {
@@ -85,6 +86,24 @@ class Components {
     return known_.at({assembly, node})->price;
   }
 
+  // What becomes of a suggestion of one that Get has given.
+  SuggestionTrial Try(const Suggestion& suggestion, const Design& body,
+                      const std::vector<const CollectionConnection*>& others,
+                      const ConnectOptions& options) {
+    if (is_given_up_()) return {};
+    const std::string& assembly = suggestion.from->source;
+    const ConnectionOrigin& source = sources_.at(assembly);
+    Design dropped;
+    dropped.assembly = known_.at({assembly, suggestion.node})->assembly;
+    dropped.q = dropped.assembly->drawn();
+    MoveTo(suggestion.position, &dropped);
+    auto whole = drawings_.Parametrize(*source.drawing, "", is_given_up_);
+    if (!whole.ok()) return {};
+    Original original{assembly, {*std::move(whole), {}}, *source.connections};
+    original.design.q = original.design.assembly->drawn();
+    return TryComponent(body, dropped, suggestion.node, &original, others, options);
+  }
+
  private:
   absl::StatusOr<Component> Read(const std::string& assembly, const std::string& node) {
     const Drawing& drawing = *sources_.at(assembly).drawing;
@@ -120,14 +139,23 @@ class Components {
   std::map<std::pair<std::string, std::string>, absl::StatusOr<Component>> known_;
 };
 
-SameMaterial SameMaterialIn(const Drawing& body, const ConnectionOrigins& sources) {
-  return
-      [materials = MaterialsOf(body, sources)](const std::string& item, const std::string& other) {
-        if (item == other) return true;
-        const auto found = materials.find(item), others = materials.find(other);
-        return found != materials.end() && others != materials.end() && !found->second.empty() &&
-               found->second == others->second;
-      };
+SameMaterial SameMaterialBy(const ConnectOptions& options) {
+  return [material_of = options.material_of](const std::string& item, const std::string& other) {
+    if (item == other) return true;
+    const std::string material = material_of(item);
+    return !material.empty() && material == material_of(other);
+  };
+}
+
+v1::ComponentSuggestion::Trial TrialOf(const SuggestionTrial& trial) {
+  switch (trial.outcome) {
+    case SuggestionTrial::Outcome::kFits:
+      return v1::ComponentSuggestion::FITS;
+    case SuggestionTrial::Outcome::kHeldInPart:
+      return v1::ComponentSuggestion::HELD_IN_PART;
+    default:
+      return v1::ComponentSuggestion::NOT_TRIED;
+  }
 }
 
 v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOrigin& origin,
@@ -151,6 +179,8 @@ v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOr
     message.mutable_price()->set_amount(price->amount);
   }
   message.set_score(suggestion.score);
+  message.set_trial(TrialOf(suggestion.trial));
+  message.set_trial_text(suggestion.trial.text);
   return message;
 }
 
@@ -179,10 +209,15 @@ absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
   MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
                            composer.collection.All(rpc::ForwardedFrom(call), is_given_up));
   LeaveOutOtherItems(drawing->bundle, sources);
-  options.same_material = SameMaterialIn(*drawing, sources);
+  const ConnectOptions connecting = ConnectOptionsFor(*drawing, sources);
+  options.same_material = SameMaterialBy(connecting);
   Components components(asked, sources, composer.drawings, is_given_up);
+  const std::vector<const CollectionConnection*> connections = ConnectionsIn(sources);
+  options.trial = [&](const Suggestion& suggestion) {
+    return components.Try(suggestion, body, connections, connecting);
+  };
   const std::vector<Suggestion> found = Suggest(
-      body, ConnectionsIn(sources),
+      body, connections,
       [&](const std::string& assembly, const std::string& node) {
         return components.Get(assembly, node);
       },

@@ -230,13 +230,28 @@ std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
                                 const ComponentSource& components, const SuggestOptions& options) {
   const Search search(body, options);
-  std::vector<Suggestion> suggestions;
+  std::vector<Suggestion> suggestions, refused;
+  int tried = 0;
   for (Match& match : search.Matches(connections)) {
     if (static_cast<int>(suggestions.size()) >= options.count) break;
     const auto component = components(match.suggestion.from->source, match.suggestion.node);
     if (!component.ok() || !search.Fits(**component, match)) continue;
-    if (!IsKnown(suggestions, match.suggestion)) suggestions.push_back(match.suggestion);
+    if (IsKnown(suggestions, match.suggestion) || IsKnown(refused, match.suggestion)) continue;
+    if (options.trial) {
+      SuggestionTrial& trial = match.suggestion.trial;
+      if (tried++ < options.most_tried) trial = options.trial(match.suggestion);
+      if (trial.outcome == SuggestionTrial::Outcome::kFitsNot) {
+        refused.push_back(match.suggestion);
+        continue;
+      }
+      if (trial.outcome != SuggestionTrial::Outcome::kFits) {
+        match.suggestion.score *= options.in_doubt;
+      }
+    }
+    suggestions.push_back(match.suggestion);
   }
+  std::stable_sort(suggestions.begin(), suggestions.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
   return suggestions;
 }
 

@@ -20,6 +20,22 @@ namespace mortise::composer {
 // Whether two items may stand for each other.
 using SameMaterial = std::function<bool(const std::string& item, const std::string& other)>;
 
+struct Suggestion;
+
+// What became of a suggestion when it was dropped, snapped and connected.
+struct SuggestionTrial {
+  enum class Outcome {
+    kNotTried,
+    kFits,        // it is held, and nothing is warned of
+    kHeldInPart,  // it can be connected; `text` says what is warned of
+    kFitsNot,     // it cannot be connected, or nothing holds it
+  } outcome = Outcome::kNotTried;
+  std::string text;
+};
+
+// Tries a suggestion.
+using TrySuggestion = std::function<SuggestionTrial(const Suggestion&)>;
+
 struct SuggestOptions {
   int count = 10;  // of suggestions
   // Parts of the body, as they are drawn, that the new component is to be held by; any if empty.
@@ -31,6 +47,12 @@ struct SuggestOptions {
   // m: a difference that halves the score.
   double half_distance = 0.2;
   SameMaterial same_material;
+  // Tries the first of what is found, if there is one: as many as `most_tried`, which bounds the
+  // time that it takes.
+  TrySuggestion trial;
+  int most_tried = 12;
+  // By which the score is multiplied of what is only held in part, and of what was not tried.
+  double in_doubt = 0.5;
 };
 
 // A component, and where it would go.
@@ -45,6 +67,7 @@ struct Suggestion {
   int held_by = 0;     // parts of the body that would hold such a part there
   int assemblies = 0;  // of the collection that have such a part there
   double score = 0;
+  SuggestionTrial trial;
 };
 
 // Returns how much two parts differ in their sizes, m: as DistanceOf counts them.
@@ -71,6 +94,9 @@ using ComponentSource = std::function<absl::StatusOr<const parametric::Assembly*
 //   before what would hang on one side.
 // - A component is left out that reaches into the body by more than 0.1 mm, or that `components`
 //   gives none of. Of the same component in the same place within 10 mm only the best is told.
+//
+// - The first are tried. What cannot be connected is left out; what is held in part, or was not
+//   tried, scores less.
 //
 // It is deterministic, whatever the order of the connections. Of many the 1000 that are most alike
 // are looked at. O(connections · parts), and what is asked of `components` for the best.

@@ -99,6 +99,7 @@ TEST_F(ComposerSuggestionsTest, TheTopOfATableIsSuggestedForItsFrame) {
   EXPECT_EQ(best.group(), "top");
   EXPECT_NEAR(best.position().z(), 0.712, 1e-9);
   EXPECT_GT(best.price().amount(), 0);
+  EXPECT_EQ(best.trial(), v1::ComponentSuggestion::FITS);
   for (int i = 1; i < found->suggestions_size(); ++i) {
     EXPECT_LE(found->suggestions(i).score(), found->suggestions(i - 1).score());
   }

@@ -12,6 +12,7 @@
 
 #include "services/composer/model/overlap.h"
 #include "services/composer/snapping/snap.h"
+#include "services/composer/suggestions/try_suggestion.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/services/composer/shipped_designs.h"
 
@@ -167,6 +168,76 @@ TEST(SuggestTest, KeepsToTheNodeTheNumberAndWhatIsWanted) {
     return absl::StatusOr<const Assembly*>(absl::NotFoundError("costs too much"));
   };
   EXPECT_THAT(Suggest(frame, connections, none, Options()), IsEmpty());
+}
+
+// Only the first are tried; what cannot be connected goes, and what is held in part comes later.
+TEST(SuggestTest, WhatWasTriedIsSaid) {
+  using Outcome = SuggestionTrial::Outcome;
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto connections = ConnectionsOfAll(SomeDesigns());
+  const auto plain = Suggest(frame, connections, ShippedSubTree, Options());
+  ASSERT_GE(plain.size(), 4U);
+  for (const Suggestion& each : plain) EXPECT_EQ(each.trial.outcome, Outcome::kNotTried);
+  SuggestOptions options = Options();
+  options.most_tried = 3;
+  int tried = 0;
+  options.trial = [&](const Suggestion&) -> SuggestionTrial {
+    constexpr Outcome kOutcomes[] = {Outcome::kFitsNot, Outcome::kHeldInPart, Outcome::kFits};
+    return {kOutcomes[tried++], "why"};
+  };
+  const auto found = Suggest(frame, connections, ShippedSubTree, options);
+  EXPECT_EQ(tried, 3);
+  ASSERT_GE(found.size(), 3U);
+  const auto place_of = [&](const Suggestion& of) {
+    return std::find_if(found.begin(), found.end(),
+                        [&](const Suggestion& each) {
+                          return each.from == of.from && each.node == of.node &&
+                                 each.element == of.element;
+                        }) -
+           found.begin();
+  };
+  EXPECT_EQ(place_of(plain[0]), static_cast<std::ptrdiff_t>(found.size()));
+  ASSERT_LT(place_of(plain[1]), static_cast<std::ptrdiff_t>(found.size()));
+  EXPECT_EQ(found[static_cast<std::size_t>(place_of(plain[1]))].score, plain[1].score / 2);
+  EXPECT_EQ(found[static_cast<std::size_t>(place_of(plain[2]))].score, plain[2].score);
+  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
+}
+
+// What is said to fit can be connected, and nothing is warned of.
+TEST(SuggestTest, WhatFitsCanBeConnected) {
+  const auto all = AllShippedConnections();
+  const auto dropped = [](const Suggestion& suggestion) {
+    Design design = ShippedComponent(IdOf(suggestion.from->source), suggestion.node);
+    const parametric::BoundingBox box = BoundsOf(design);
+    design.shift =
+        suggestion.position - Eigen::Vector3d(box.center().x(), box.center().y(), box.minimum.z());
+    return design;
+  };
+  int fits = 0;
+  for (const char* id : {"dining_table", "cabinet", "tool_cart"}) {
+    SCOPED_TRACE(id);
+    const Design body = ShippedComponent(id, std::string(id) == "cabinet" ? "case" : "frame");
+    SuggestOptions options = Options();
+    options.count = 4;
+    options.most_tried = 4;
+    options.trial = [&](const Suggestion& suggestion) {
+      const Original original = ShippedOriginal(IdOf(suggestion.from->source));
+      return TryComponent(body, dropped(suggestion), suggestion.node, &original, all,
+                          ShippedOptions());
+    };
+    for (const Suggestion& each : Suggest(body, all, ShippedSubTree, options)) {
+      if (each.trial.outcome != SuggestionTrial::Outcome::kFits) continue;
+      ++fits;
+      const Original original = ShippedOriginal(IdOf(each.from->source));
+      ASSERT_OK_AND_ASSIGN(const Snapped snapped, Snap(dropped(each), &original.design, body));
+      ASSERT_OK_AND_ASSIGN(const Connected made, Connect(body, snapped.component, each.node,
+                                                         &original, all, ShippedOptions()));
+      EXPECT_THAT(made.warnings, IsEmpty());
+      EXPECT_TRUE(std::any_of(made.connections.begin(), made.connections.end(),
+                              [](const auto& one) { return !one.parts.empty(); }));
+    }
+  }
+  EXPECT_GE(fits, 3);
 }
 
 // A model that is a little larger than what the collection has gets it beside its own planes.
