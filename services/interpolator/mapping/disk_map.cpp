@@ -16,20 +16,6 @@ namespace {
 
 using Side = std::pair<int, int>;
 
-// Returns the weights that a triangle adds to the edges from its corner `k`: to the next corner,
-// and to the one before.
-std::pair<double, double> MeanValueWeights(const DiskPatch& patch, Eigen::Index t, int k) {
-  const auto corner = [&](int i) -> Eigen::Vector3d {
-    return patch.vertices.col(patch.triangles((k + i) % 3, t));
-  };
-  const Eigen::Vector3d next = corner(1) - corner(0), last = corner(2) - corner(0);
-  const double lengths = next.norm() * last.norm();
-  // tan(α/2) = sin α / (1 + cos α), bounded where rounding would make it infinite.
-  const double tangent =
-      next.cross(last).norm() / std::max(lengths + next.dot(last), 1e-12 * lengths);
-  return {tangent / next.norm(), tangent / last.norm()};
-}
-
 absl::Status CheckDisk(const DiskPatch& patch) {
   std::map<Side, int> sides;
   for (Eigen::Index t = 0; t < patch.triangles.cols(); ++t) {
@@ -83,7 +69,10 @@ absl::StatusOr<Eigen::Matrix2Xd> Flatten(const DiskPatch& patch, const Eigen::Ma
     for (int k = 0; k < 3; ++k) {
       const int row = unknown[patch.triangles(k, t)];
       if (row < 0) continue;
-      auto [next, last] = MeanValueWeights(patch, t, k);
+      const auto corner = [&](int i) -> Eigen::Vector3d {
+        return patch.vertices.col(patch.triangles((k + i) % 3, t));
+      };
+      auto [next, last] = MeanValueWeights(corner(0), corner(1), corner(2));
       if (has_equal_weights) next = last = 1;
       weights.push_back({{row, patch.triangles((k + 1) % 3, t)}, next});
       weights.push_back({{row, patch.triangles((k + 2) % 3, t)}, last});
@@ -145,6 +134,16 @@ TrianglePlace Clamped(int triangle, const Eigen::Vector3d& barycentric) {
 }
 
 }  // namespace
+
+std::pair<double, double> MeanValueWeights(const Eigen::Vector3d& at, const Eigen::Vector3d& next,
+                                           const Eigen::Vector3d& last) {
+  const Eigen::Vector3d to_next = next - at, to_last = last - at;
+  const double lengths = to_next.norm() * to_last.norm();
+  // tan(α/2) = sin α / (1 + cos α), bounded where rounding would make it infinite.
+  const double tangent =
+      to_next.cross(to_last).norm() / std::max(lengths + to_next.dot(to_last), 1e-12 * lengths);
+  return {tangent / to_next.norm(), tangent / to_last.norm()};
+}
 
 DiskMap::DiskMap(Eigen::Matrix3Xi triangles, Eigen::Matrix2Xd positions)
     : triangles_(std::move(triangles)),

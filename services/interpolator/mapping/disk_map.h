@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -29,6 +30,11 @@ struct TrianglePlace {
   int triangle = -1;
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  // not negative, of sum 1
 };
+
+// Returns the mean value weights that the triangle between a vertex and two of its neighbours adds
+// to the edges from the vertex: to the next one, counter-clockwise, and to the last.
+std::pair<double, double> MeanValueWeights(const Eigen::Vector3d& at, const Eigen::Vector3d& next,
+                                           const Eigen::Vector3d& last);
 
 class DiskMap {
  public:

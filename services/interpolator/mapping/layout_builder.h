@@ -11,6 +11,7 @@
 #include "services/interpolator/mapping/layout_pieces.h"
 #include "services/interpolator/mapping/layout_surface.h"
 #include "services/interpolator/mapping/patch_layout.h"
+#include "services/interpolator/mapping/shortest_paths.h"
 
 namespace mortise::interpolator {
 
@@ -37,16 +38,23 @@ class LayoutBuilder {
     Corner from = 0, to = 0;
     bool is_known = false;
   };
+  // How long the paths from a corner are.
   struct Lengths {
-    double limit = -1;  // m, how far has been searched
+    double limit = 0;  // m, how far has been searched
+    int paths = 0;     // that there were then; those added since make others longer, not shorter
     std::map<Corner, double> source, target;
   };
+  using Searched = std::map<Corner, Lengths>;
 
-  Candidate MakeCandidate(Corner from, Corner to, double way) const;
-  std::optional<Candidate> Best(std::vector<Candidate> candidates, double highest) const;
-  void Improve(std::map<Corner, Lengths>& searched, Candidate& candidate) const;
+  Candidate MakeCandidate(const Searched& searched, Corner from, Corner to, double way) const;
+  // Returns the least that a pair of paths may be long, by what was searched.
+  double LeastOf(const Lengths& lengths, const Candidate& candidate) const;
+  std::optional<Candidate> Best(std::vector<Candidate> candidates, double highest,
+                                Searched& searched);
+  void Improve(Lengths& lengths, Candidate& candidate);
   std::vector<Candidate> Shortcuts(const BoundaryPiece& walk) const;
   bool IsLarge(const BoundaryPiece& walk) const;
+  void MeasurePatches();
   absl::StatusOr<int> Add(const Candidate& candidate);
 
   LayoutSurface& source_;
@@ -54,6 +62,8 @@ class LayoutBuilder {
   std::vector<PatchPieces> patches_;
   LayoutOptions options_;
   double diagonal_;  // m, of both surfaces' boxes
+  SearchSpace source_space_, target_space_;
+  std::vector<double> source_shares_, target_shares_;  // of the area, of each patch
   std::vector<BoundaryPiece> walks_;
 };
 

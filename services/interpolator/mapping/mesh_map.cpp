@@ -9,25 +9,39 @@
 #include "services/interpolator/mapping/mesh_mapper.h"
 
 namespace mortise::interpolator {
+namespace {
+
+// Returns the row of the node in the middle of the edge between two corners of an element.
+int MiddleOf(int a, int b) {
+  int row = 4;
+  for (const auto& [from, to] : mesh::kTetrahedronEdges) {
+    if ((from == a && to == b) || (from == b && to == a)) break;
+    ++row;
+  }
+  return row;
+}
+
+}  // namespace
+
 absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std::string& field) {
-  OuterSurface outer;
-  std::unordered_map<int, int> vertex_of;
   const std::vector<mesh::ElementFace> faces = mesh::ElementFaces(marked.mesh).Outer();
-  mesh::SurfaceMesh& surface = outer.marked.surface;
-  surface.triangles.resize(3, static_cast<Eigen::Index>(faces.size()));
-  for (std::size_t t = 0; t < faces.size(); ++t) {
-    const auto& corners = mesh::kTetrahedronFaces[static_cast<std::size_t>(faces[t].side)];
-    for (int k = 0; k < 3; ++k) {
-      const int node =
-          marked.mesh.tetrahedra(corners[static_cast<std::size_t>(k)], faces[t].element);
-      const auto [entry, is_new] = vertex_of.try_emplace(node, static_cast<int>(outer.node.size()));
-      if (is_new) outer.node.push_back(node);
-      surface.triangles(k, static_cast<Eigen::Index>(t)) = entry->second;
+  Eigen::Matrix3Xi triangles(3, static_cast<Eigen::Index>(faces.size())), middles;
+  if (marked.mesh.IsQuadratic()) middles.resize(3, triangles.cols());
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    const mesh::ElementFace& face = faces[static_cast<std::size_t>(t)];
+    const auto& corners = mesh::kTetrahedronFaces[static_cast<std::size_t>(face.side)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      triangles(row, t) = marked.mesh.tetrahedra(corners[k], face.element);
+      if (!marked.mesh.IsQuadratic()) continue;
+      middles(row, t) =
+          marked.mesh.tetrahedra(MiddleOf(corners[k], corners[(k + 1) % 3]), face.element);
     }
   }
-  surface.vertices.resize(3, static_cast<Eigen::Index>(outer.node.size()));
+  OuterSurface outer = MakeOuterSurface(marked.mesh.nodes, triangles, middles);
+  std::unordered_map<int, int> vertex_of;
   for (std::size_t v = 0; v < outer.node.size(); ++v) {
-    surface.vertices.col(static_cast<Eigen::Index>(v)) = marked.mesh.nodes.col(outer.node[v]);
+    vertex_of.try_emplace(outer.node[v], static_cast<int>(v));
   }
   for (std::size_t i = 0; i < marked.points.size(); ++i) {
     const auto vertex = vertex_of.find(marked.points[i].vertex);
@@ -52,20 +66,6 @@ absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std:
   return outer;
 }
 
-std::vector<NodePlace> PlacesInNodes(const OuterSurface& outer,
-                                     const std::vector<TrianglePlace>& places) {
-  std::vector<NodePlace> in_nodes(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i].triangle < 0) continue;
-    const Eigen::Vector3i corners = outer.marked.surface.triangles.col(places[i].triangle);
-    for (int k = 0; k < 3; ++k) {
-      in_nodes[i].nodes[k] = outer.node[static_cast<std::size_t>(corners[k])];
-    }
-    in_nodes[i].shares = places[i].barycentric;
-  }
-  return in_nodes;
-}
-
 absl::StatusOr<MeshMap> MapMesh(const MarkedMesh& source, const MarkedMesh& target,
                                 const LayoutOptions& layout, const VolumeMapOptions& volume) {
   MORTISE_ASSIGN_OR_RETURN(const OuterSurface of_source, OuterSurfaceOf(source, "source"));
@@ -73,6 +73,7 @@ absl::StatusOr<MeshMap> MapMesh(const MarkedMesh& source, const MarkedMesh& targ
   MORTISE_ASSIGN_OR_RETURN(map.outer, OuterSurfaceOf(target, "target"));
   MORTISE_ASSIGN_OR_RETURN(map.surface, MapSurface(of_source.marked, map.outer.marked, layout));
   map.places = PlacesInNodes(of_source, map.surface.places);
+  JoinSheets(map.outer, map.surface.positions);
   auto interior = MapVolume(target.mesh, map.outer.node, map.surface.positions, volume);
   if (!interior.ok()) return UnderField("target", interior.status());
   map.volume = *std::move(interior);

@@ -9,6 +9,7 @@
 #include "common/mesh/control_variables.h"
 #include "common/mesh/tetrahedral_mesh.h"
 #include "services/interpolator/mapping/marked_surface.h"
+#include "services/interpolator/mapping/outer_surface.h"
 #include "services/interpolator/mapping/surface_map.h"
 #include "services/interpolator/mapping/volume_map.h"
 
@@ -21,26 +22,9 @@ struct MarkedMesh {
   std::vector<ControlPath> paths;    // nodes
 };
 
-// The outer triangles between corners of a mesh.
-struct OuterSurface {
-  MarkedSurface marked;
-  std::vector<int> node;  // of each vertex
-};
-
 // Returns the surface of all parts together. INVALID_ARGUMENT below `field` if a point or path is
 // not on it.
 absl::StatusOr<OuterSurface> OuterSurfaceOf(const MarkedMesh& marked, const std::string& field);
-
-// A place in a triangle between three nodes, or vertices, of the source.
-struct NodePlace {
-  Eigen::Vector3i nodes = Eigen::Vector3i::Constant(-1);
-  Eigen::Vector3d shares = Eigen::Vector3d::Zero();  // barycentric: not negative, of sum 1
-};
-
-// Returns places in triangles of an outer surface as places between its nodes; those of no triangle
-// stay without.
-std::vector<NodePlace> PlacesInNodes(const OuterSurface& outer,
-                                     const std::vector<TrianglePlace>& places);
 
 struct MeshMap {
   Eigen::Matrix3Xd nodes;         // 3 × target's nodes, m: of the source's shape

@@ -3,26 +3,9 @@
 #include <utility>
 
 #include "common/base/errors.h"
-#include "services/interpolator/mapping/barycentric.h"
 #include "services/interpolator/mapping/control_points.h"
 
 namespace mortise::interpolator {
-
-std::vector<TrianglePlace> PlacesBeforeMarking(const mesh::SurfaceMesh& given,
-                                               const MarkedSurface& marked, const SurfaceMap& map,
-                                               std::size_t count) {
-  std::vector<TrianglePlace> places(map.places.begin(),
-                                    map.places.begin() + static_cast<std::ptrdiff_t>(count));
-  for (std::size_t v = 0; v < count; ++v) {
-    if (places[v].triangle < 0) continue;
-    const int triangle = marked.origin[static_cast<std::size_t>(places[v].triangle)];
-    Eigen::Matrix3d corners;
-    for (int k = 0; k < 3; ++k) corners.col(k) = given.vertices.col(given.triangles(k, triangle));
-    places[v] = {triangle, BarycentricIn(corners, map.positions.col(static_cast<Eigen::Index>(v)))};
-  }
-  return places;
-}
-
 MeshMapper::MeshMapper(ModelMesh target, LayoutOptions layout)
     : target_(std::move(target)), layout_(layout) {}
 
@@ -53,6 +36,8 @@ absl::StatusOr<MeshMap> MeshMapper::Map(const ModelMesh& source) const {
   map.surface.places = PlacesBeforeMarking(of_source.marked.surface, *marked, map.surface, count);
   map.surface.positions.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(count));
   map.places = PlacesInNodes(of_source, map.surface.places);
+  FollowCurvedSides(source.mesh.nodes, of_source, map.surface);
+  JoinSheets(outer_, map.surface.positions);
   MORTISE_ASSIGN_OR_RETURN(map.volume, volume_->Map(map.surface.positions));
   map.nodes = map.volume.nodes;
   return map;

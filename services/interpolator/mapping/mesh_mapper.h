@@ -2,6 +2,10 @@
 // one: as MapMesh (mesh_map.h), with all that only depends on the target made once: its surface,
 // the places of its control variables, and what solves for its interior (VolumeMapper).
 //
+// Where the elements of a source are quadratic, the nodes of the target's surface come to lie on
+// their curved sides: on triangles between corners, which cut what is round, elements with all
+// corners on a round face would become flat.
+//
 //   MORTISE_ASSIGN_OR_RETURN(const auto mapper, MeshMapper::Create({mesh, variables}));
 //   MORTISE_ASSIGN_OR_RETURN(const MeshMap map, mapper->Map({sample_mesh, sample_variables}));
 #pragma once
@@ -43,11 +47,5 @@ class MeshMapper {
   LayoutOptions layout_;
   std::unique_ptr<const VolumeMapper> volume_;
 };
-
-// Returns places that `map` found in triangles of `marked`, of the first `count` vertices, as
-// places in the triangles of the surface that its control variables were placed on.
-std::vector<TrianglePlace> PlacesBeforeMarking(const mesh::SurfaceMesh& given,
-                                               const MarkedSurface& marked, const SurfaceMap& map,
-                                               std::size_t count);
 
 }  // namespace mortise::interpolator

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 namespace mortise::interpolator {
 
@@ -30,17 +31,25 @@ double Crossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
 
 }  // namespace
 
-ShortestPaths::ShortestPaths(const LayoutSurface& surface, Corner from, double limit)
+ShortestPaths::ShortestPaths(const LayoutSurface& surface, Corner from, double limit,
+                             SearchSpace* space)
     : surface_(surface),
       start_vertex_(surface.node_vertex(surface.NodeOf(from))),
       vertex_count_(static_cast<int>(surface.mesh().n_vertices())),
-      limit_(limit) {
+      limit_(limit),
+      space_(space == nullptr ? own_ : *space) {
+  if (space_.vertices.size() < surface.mesh().n_vertices()) {
+    space_.vertices.resize(surface.mesh().n_vertices());
+  }
+  if (space_.edges.size() < surface.mesh().n_edges()) {
+    space_.edges.resize(surface.mesh().n_edges());
+  }
   for (const HalfedgeHandle halfedge : surface.Fan(from)) LeaveVertex(halfedge, -1, 0);
   while (!queue_.empty()) {
     std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
     const auto [length, place] = queue_.back();
     queue_.pop_back();
-    if (length > reached_.at(place).length) continue;
+    if (length > At(place).length) continue;
     if (place >= vertex_count_) {
       LeaveEdge(EdgeHandle(place - vertex_count_), place, length);
       continue;
@@ -49,6 +58,20 @@ ShortestPaths::ShortestPaths(const LayoutSurface& surface, Corner from, double l
       LeaveVertex(halfedge, place, length);
     }
   }
+}
+
+ShortestPaths::~ShortestPaths() {
+  for (const int place : touched_) At(place) = {};
+}
+
+SearchSpace::Reached& ShortestPaths::At(int place) {
+  return place < vertex_count_ ? space_.vertices[static_cast<std::size_t>(place)]
+                               : space_.edges[static_cast<std::size_t>(place - vertex_count_)];
+}
+
+const SearchSpace::Reached& ShortestPaths::At(int place) const {
+  return place < vertex_count_ ? space_.vertices[static_cast<std::size_t>(place)]
+                               : space_.edges[static_cast<std::size_t>(place - vertex_count_)];
 }
 
 Eigen::Vector3d ShortestPaths::PointOf(int place) const {
@@ -62,11 +85,10 @@ Eigen::Vector3d ShortestPaths::PointOf(int place) const {
 
 void ShortestPaths::Enter(int place, int before, double length) {
   if (length > limit_) return;
-  const auto [entry, is_new] = reached_.try_emplace(place, Reached{length, before});
-  if (!is_new) {
-    if (length >= entry->second.length) return;
-    entry->second = {length, before};
-  }
+  SearchSpace::Reached& reached = At(place);
+  if (length >= reached.length) return;
+  if (reached.length == std::numeric_limits<double>::infinity()) touched_.push_back(place);
+  reached = {length, before};
   queue_.emplace_back(length, place);
   std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
 }
@@ -143,7 +165,7 @@ void ShortestPaths::PullTaut(Trace& trace) const {
 
 Trace ShortestPaths::PathTo(Corner to) const {
   Trace trace = {{.vertex = surface_.node_vertex(surface_.NodeOf(to))}};
-  for (int place = before_goal_.at(to); place >= 0; place = reached_.at(place).before) {
+  for (int place = before_goal_.at(to); place >= 0; place = At(place).before) {
     if (place < vertex_count_) trace.push_back({.vertex = place});
     if (place >= vertex_count_) trace.push_back({.edge = place - vertex_count_, .share = 0.5});
   }

@@ -8,8 +8,8 @@
 // CGAL's), which run along other paths and across them.
 #pragma once
 
+#include <limits>
 #include <map>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -17,11 +17,26 @@
 
 namespace mortise::interpolator {
 
+// What searches of one surface after another use again, so that each takes no longer than what it
+// reaches.
+struct SearchSpace {
+  struct Reached {
+    double length = std::numeric_limits<double>::infinity();
+    int before = -1;  // −1 for the start
+  };
+  // Vertices of the mesh, and its edges.
+  std::vector<Reached> vertices, edges;
+};
+
 class ShortestPaths {
  public:
   // Searches from a corner to all others of its patch no further than `limit`, m, away. The surface
-  // must stay as it is while this is used.
-  ShortestPaths(const LayoutSurface& surface, Corner from, double limit);
+  // must stay as it is while this is used, and `space`, if there is one, is used by nothing else.
+  ShortestPaths(const LayoutSurface& surface, Corner from, double limit,
+                SearchSpace* space = nullptr);
+  ~ShortestPaths();
+  ShortestPaths(const ShortestPaths&) = delete;
+  ShortestPaths& operator=(const ShortestPaths&) = delete;
 
   // Returns the lengths of the paths found, before these are pulled taut.
   const std::map<Corner, double>& lengths() const { return lengths_; }
@@ -30,12 +45,9 @@ class ShortestPaths {
   Trace PathTo(Corner to) const;
 
  private:
-  // Vertices of the mesh come first, behind them its edges.
-  struct Reached {
-    double length = 0;
-    int before = -1;  // −1 for the start
-  };
-
+  // Places are vertices of the mesh, and behind them its edges.
+  SearchSpace::Reached& At(int place);
+  const SearchSpace::Reached& At(int place) const;
   Eigen::Vector3d PointOf(int place) const;
   void Enter(int place, int before, double length);
   void EnterVertex(OpenMesh::VertexHandle vertex, OpenMesh::HalfedgeHandle leaving, int before,
@@ -50,7 +62,9 @@ class ShortestPaths {
   int start_vertex_;
   int vertex_count_;
   double limit_;
-  std::unordered_map<int, Reached> reached_;
+  SearchSpace own_;  // where none was given
+  SearchSpace& space_;
+  std::vector<int> touched_;                   // places
   std::vector<std::pair<double, int>> queue_;  // a heap, nearest first
   std::map<Corner, double> lengths_;
   std::map<Corner, int> before_goal_;

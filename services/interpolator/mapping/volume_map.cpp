@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -23,7 +24,8 @@ namespace {
 constexpr double kFlat = 1e-9;      // of the cube of an element's longest edge
 constexpr int kStiffestClass = 20;  // elements are up to 2²⁰ times as stiff as the largest
 constexpr double kTolerance = 1e-8;
-constexpr int kLoads = 30;  // that a solver made ready is made for
+constexpr double kUnsound = 1e-3;  // of the volume, that may be turned over to begin with
+constexpr int kLoads = 30;         // that a solver made ready is made for
 
 double VolumeOf(const Eigen::Matrix3Xd& nodes, const Eigen::Vector4i& element) {
   const Eigen::Vector3d a = nodes.col(element[0]);
@@ -121,12 +123,38 @@ absl::Status CheckOuter(const mesh::TetrahedralMesh& mesh, const mesh::CornerMes
       return InvalidField("outer", absl::StrCat("node ", node, " of the surface is missing"));
     }
   }
-  const std::vector<int> inverted = InvertedElements(mesh, mesh.nodes);
-  if (!inverted.empty()) {
-    return InvalidField("mesh", absl::StrCat("element ", inverted.front(),
-                                             " is turned over or flat before it is mapped"));
-  }
   return absl::OkStatus();
+}
+
+// Returns the elements that are turned over or flat to begin with. INVALID_ARGUMENT if they are
+// more than rounding and curved sides explain.
+absl::StatusOr<std::vector<int>> UnsoundElements(const mesh::TetrahedralMesh& mesh) {
+  std::vector<int> unsound = InvertedElements(mesh, mesh.nodes);
+  double all = 0, of_unsound = 0;
+  for (const auto& element : mesh.tetrahedra.colwise()) {
+    all += std::abs(VolumeOf(mesh.nodes, element));
+  }
+  for (const int element : unsound) {
+    of_unsound += std::abs(VolumeOf(mesh.nodes, mesh.tetrahedra.col(element)));
+  }
+  if (of_unsound <= kUnsound * all) return unsound;
+  return InvalidField("mesh", absl::StrCat("element ", unsound.front(),
+                                           " is turned over or flat before it is mapped"));
+}
+
+// Returns the mesh without some elements.
+mesh::TetrahedralMesh Without(const std::vector<int>& elements, const mesh::TetrahedralMesh& mesh) {
+  std::vector<int> kept;
+  auto next = elements.begin();
+  for (int e = 0; e < static_cast<int>(mesh.tetrahedra.cols()); ++e) {
+    const bool is_left_out = next != elements.end() && *next == e;
+    if (is_left_out) ++next;
+    if (!is_left_out) kept.push_back(e);
+  }
+  mesh::TetrahedralMesh rest = mesh;
+  rest.tetrahedra = mesh.tetrahedra(Eigen::all, kept);
+  rest.part = mesh.part(kept);
+  return rest;
 }
 
 }  // namespace
@@ -137,6 +165,9 @@ struct VolumeMapper::State {
   std::vector<int> outer;
   Eigen::Array3Xi is_fixed;   // 3 × corners
   std::vector<bool> is_free;  // corners
+  std::vector<int> unsound;   // elements that are turned over or flat to begin with
+  // Those elements that are sound and have a free corner: others have no say in where these go.
+  mesh::TetrahedralMesh body_mesh;
   simulator::SolverOptions options;
   std::mutex mutex;  // of the bodies
   std::optional<ElasticBody> body, stiffened;
@@ -146,8 +177,7 @@ struct VolumeMapper::State {
     const std::scoped_lock lock(mutex);
     std::optional<ElasticBody>& of = is_stiffened ? stiffened : body;
     if (!of) {
-      MORTISE_ASSIGN_OR_RETURN(of,
-                               ElasticBody::Create(corners.mesh, is_fixed, is_stiffened, options));
+      MORTISE_ASSIGN_OR_RETURN(of, ElasticBody::Create(body_mesh, is_fixed, is_stiffened, options));
     }
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd moved, of->Displace(prescribed));
     return (corners.mesh.nodes + moved).eval();
@@ -159,7 +189,7 @@ struct VolumeMapper::State {
       const Eigen::Matrix3Xd& prescribed, int steps) const {
     simulator::SolverOptions once = options;
     once.loads = 1;
-    mesh::TetrahedralMesh moved = corners.mesh;
+    mesh::TetrahedralMesh moved = body_mesh;
     for (int step = 1; step <= steps; ++step) {
       MORTISE_ASSIGN_OR_RETURN(ElasticBody stage, ElasticBody::Create(moved, is_fixed, true, once));
       MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement,
@@ -168,6 +198,15 @@ struct VolumeMapper::State {
       if (step < steps && !InvertedElements(moved, moved.nodes).empty()) return {std::nullopt};
     }
     return {std::move(moved.nodes)};
+  }
+
+  // Returns the elements that are turned over at these places and were sound.
+  std::vector<int> Inverted(const Eigen::Matrix3Xd& nodes) const {
+    const std::vector<int> all = InvertedElements(corners.mesh, nodes);
+    std::vector<int> inverted;
+    std::set_difference(all.begin(), all.end(), unsound.begin(), unsound.end(),
+                        std::back_inserter(inverted));
+    return inverted;
   }
 
   // Elements between nodes of the surface are as the surface wants them.
@@ -209,12 +248,20 @@ absl::StatusOr<std::unique_ptr<const VolumeMapper>> VolumeMapper::Create(
     state->is_free[static_cast<std::size_t>(corner)] = false;
   }
   state->outer = std::move(outer);
+  MORTISE_ASSIGN_OR_RETURN(state->unsound, UnsoundElements(state->corners.mesh));
+  std::vector<int> still = state->unsound;
+  for (int e = 0; e < static_cast<int>(mesh.tetrahedra.cols()); ++e) {
+    if (!state->IsMovable(e)) still.push_back(e);
+  }
+  std::sort(still.begin(), still.end());
+  still.erase(std::unique(still.begin(), still.end()), still.end());
+  state->body_mesh = Without(still, state->corners.mesh);
   state->options.memory_limit = options.memory_limit;
   state->options.threads = options.threads;
   state->options.tolerance = kTolerance;
   state->options.loads = kLoads;
-  MORTISE_ASSIGN_OR_RETURN(state->body, ElasticBody::Create(state->corners.mesh, state->is_fixed,
-                                                            false, state->options));
+  MORTISE_ASSIGN_OR_RETURN(
+      state->body, ElasticBody::Create(state->body_mesh, state->is_fixed, false, state->options));
   return std::unique_ptr<const VolumeMapper>(new VolumeMapper(std::move(state)));
 }
 
@@ -233,10 +280,11 @@ absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions) c
   VolumeMap map;
   MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd best, state_->Displace(prescribed, false));
   map.solves = 1;
-  map.inverted = InvertedElements(corners, best);
+  map.unsound = static_cast<int>(state_->unsound.size());
+  map.inverted = state_->Inverted(best);
   map.inverted_at_first = static_cast<int>(map.inverted.size());
   const auto take = [&](const Eigen::Matrix3Xd& nodes) {
-    std::vector<int> inverted = InvertedElements(corners, nodes);
+    std::vector<int> inverted = state_->Inverted(nodes);
     if (inverted.size() >= map.inverted.size()) return;
     best = nodes;
     map.inverted = std::move(inverted);
@@ -258,7 +306,7 @@ absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions) c
   if (!is_done()) {
     const std::size_t before = map.inverted.size();
     Untangle(corners, state_->is_free, best);
-    map.inverted = InvertedElements(corners, best);
+    map.inverted = state_->Inverted(best);
     map.untangled = static_cast<int>(before) - static_cast<int>(map.inverted.size());
   }
   for (std::size_t i = 0; i < state_->outer.size(); ++i) {

@@ -25,9 +25,11 @@ struct VolumeMapOptions {
 struct VolumeMap {
   Eigen::Matrix3Xd nodes;     // 3 × N, m; middles of edges of quadratic elements are halfway
   int solves = 0;             // of the elastic body
+  int unsound = 0;            // elements that are turned over or flat in the mesh itself
   int inverted_at_first = 0;  // elements that the first solution turned over
   int untangled = 0;          // elements that only moving single nodes turned back
-  std::vector<int> inverted;  // elements that are still turned over or flat
+  std::vector<int> inverted;  // elements that are still turned over or flat, and are sound in the
+                              // mesh itself
 };
 
 // A mesh whose surface is displaced again and again: its stiffness is assembled, and the solver
@@ -35,10 +37,11 @@ struct VolumeMap {
 class VolumeMapper {
  public:
   // `outer`: all corners on the surface of the mesh, which must outlive the mapper and stay as it
-  // is. An element counts as turned over where its volume is not positive beyond rounding.
-  // INVALID_ARGUMENT naming "mesh" if an element is turned over before, "outer" if these are no
-  // corners of the mesh, or one on the surface is missing. RESOURCE_EXHAUSTED, and
-  // FAILED_PRECONDITION as the linear solver's.
+  // is. An element counts as turned over where its volume between corners is not positive beyond
+  // rounding; a few are so to begin with where curved sides keep elements sound whose corners lie
+  // on one round face. INVALID_ARGUMENT naming "mesh" if these have more than a thousandth of its
+  // volume, "outer" if these are no corners of the mesh, or one on the surface is missing.
+  // RESOURCE_EXHAUSTED, and FAILED_PRECONDITION as the linear solver's.
   static absl::StatusOr<std::unique_ptr<const VolumeMapper>> Create(
       const mesh::TetrahedralMesh& mesh, std::vector<int> outer,
       const VolumeMapOptions& options = {});

@@ -1,0 +1,30 @@
+// Finds the nearest places on a surface, of any triangles.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "common/mesh/surface_mesh.h"
+#include "services/interpolator/mapping/disk_map.h"
+
+namespace mortise::interpolator {
+
+// A surface that is asked again and again. May be used from any number of threads.
+class NearestPlaces {
+ public:
+  // The surface must have triangles, indices in range and finite vertices.
+  explicit NearestPlaces(const mesh::SurfaceMesh& surface);
+  ~NearestPlaces();
+
+  // Returns the place on the surface that is nearest to a point.
+  TrianglePlace Find(const Eigen::Vector3d& point) const;
+
+  // Returns how far it is, m.
+  double Distance(const Eigen::Vector3d& point) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<const Tree> tree_;
+};
+
+}  // namespace mortise::interpolator

@@ -1,0 +1,95 @@
+#include "services/interpolator/mapping/outer_surface.h"
+
+#include <algorithm>
+
+#include "services/interpolator/mapping/barycentric.h"
+#include "services/interpolator/mapping/sheet_separation.h"
+
+namespace mortise::interpolator {
+
+OuterSurface MakeOuterSurface(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& triangles,
+                              const Eigen::Matrix3Xi& middles) {
+  OuterSurface outer;
+  outer.middles = middles;
+  mesh::SurfaceMesh& surface = outer.marked.surface;
+  surface.triangles.resize(3, triangles.cols());
+  std::vector<int> vertex_of(static_cast<std::size_t>(nodes.cols()), -1);
+  for (Eigen::Index i = 0; i < triangles.size(); ++i) {
+    const int node = triangles(i % 3, i / 3);
+    int& vertex = vertex_of[static_cast<std::size_t>(node)];
+    if (vertex < 0) {
+      vertex = static_cast<int>(outer.node.size());
+      outer.node.push_back(node);
+    }
+    surface.triangles(i % 3, i / 3) = vertex;
+  }
+  surface.vertices = nodes(Eigen::all, outer.node);
+  for (const int vertex : SeparateSheets(surface.vertices, surface.triangles)) {
+    outer.node.push_back(outer.node[static_cast<std::size_t>(vertex)]);
+  }
+  surface.vertices = nodes(Eigen::all, outer.node);
+  return outer;
+}
+
+std::vector<TrianglePlace> PlacesBeforeMarking(const mesh::SurfaceMesh& given,
+                                               const MarkedSurface& marked, const SurfaceMap& map,
+                                               std::size_t count) {
+  std::vector<TrianglePlace> places(map.places.begin(),
+                                    map.places.begin() + static_cast<std::ptrdiff_t>(count));
+  for (std::size_t v = 0; v < count; ++v) {
+    if (places[v].triangle < 0) continue;
+    const int triangle = marked.origin[static_cast<std::size_t>(places[v].triangle)];
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) corners.col(k) = given.vertices.col(given.triangles(k, triangle));
+    places[v] = {triangle, BarycentricIn(corners, map.positions.col(static_cast<Eigen::Index>(v)))};
+  }
+  return places;
+}
+
+void FollowCurvedSides(const Eigen::Matrix3Xd& nodes, const OuterSurface& source, SurfaceMap& map) {
+  if (source.middles.cols() == 0) return;
+  for (std::size_t v = 0; v < map.places.size(); ++v) {
+    const int triangle = map.places[v].triangle;
+    if (triangle < 0) continue;
+    const Eigen::Vector3d& share = map.places[v].barycentric;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const int corner =
+          source.node[static_cast<std::size_t>(source.marked.surface.triangles(k, triangle))];
+      position += share[k] * (2 * share[k] - 1) * nodes.col(corner) +
+                  4 * share[k] * share[(k + 1) % 3] * nodes.col(source.middles(k, triangle));
+    }
+    map.positions.col(static_cast<Eigen::Index>(v)) = position;
+  }
+}
+
+void JoinSheets(const OuterSurface& target, Eigen::Matrix3Xd& positions) {
+  const int last =
+      target.node.empty() ? -1 : *std::max_element(target.node.begin(), target.node.end());
+  std::vector<int> count(static_cast<std::size_t>(last + 1), 0);
+  Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, last + 1);
+  for (std::size_t v = 0; v < target.node.size(); ++v) {
+    sum.col(target.node[v]) += positions.col(static_cast<Eigen::Index>(v));
+    ++count[static_cast<std::size_t>(target.node[v])];
+  }
+  for (std::size_t v = 0; v < target.node.size(); ++v) {
+    const int sheets = count[static_cast<std::size_t>(target.node[v])];
+    if (sheets > 1) positions.col(static_cast<Eigen::Index>(v)) = sum.col(target.node[v]) / sheets;
+  }
+}
+
+std::vector<NodePlace> PlacesInNodes(const OuterSurface& outer,
+                                     const std::vector<TrianglePlace>& places) {
+  std::vector<NodePlace> in_nodes(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].triangle < 0) continue;
+    const Eigen::Vector3i corners = outer.marked.surface.triangles.col(places[i].triangle);
+    for (int k = 0; k < 3; ++k) {
+      in_nodes[i].nodes[k] = outer.node[static_cast<std::size_t>(corners[k])];
+    }
+    in_nodes[i].shares = places[i].barycentric;
+  }
+  return in_nodes;
+}
+
+}  // namespace mortise::interpolator
