@@ -1,147 +1,17 @@
-// Building maps with shapes and fields, and what goes wrong with them.
+// Building maps with shapes and fields.
 #include "services/interpolator/building/shape_building.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <set>
 
 #include "common/base/errors.h"
 #include "common/base/random.h"
-#include "common/fields/fields_file.h"
-#include "common/maps/interpolation_map.h"
-#include "common/maps/packed_weights.h"
-#include "services/interpolator/building/map_building.h"
-#include "services/interpolator/shapes/blend.h"
-#include "services/interpolator/shapes/shape_file.h"
-#include "tests/unit/services/interpolator/building/block_designs.h"
+#include "tests/unit/services/interpolator/building/built_shapes.h"
 
 namespace mortise::interpolator {
 namespace {
-
-using testing::HasSubstr;
-
-std::unique_ptr<MapBuilding> Built(const MapPlan& plan, const BuildOptions& options,
-                                   const KnownAnswers& known = {}, KnownShapes shapes = {}) {
-  auto building = MapBuilding::Create(plan, options).value();
-  const absl::Status status = building->Run(known, std::move(shapes));
-  EXPECT_TRUE(status.ok()) << status;
-  return building;
-}
-
-ShapedStructure ShapesOf(const MapBuilding& building) {
-  auto shapes = building.ShapesOf(0);
-  EXPECT_TRUE(shapes.ok()) << shapes.status();
-  return **shapes;
-}
-
-void ExpectSame(const Spread& a, const Spread& b) {
-  EXPECT_EQ(a.largest, b.largest);
-  EXPECT_EQ(a.of_99, b.of_99);
-  EXPECT_EQ(a.mean, b.mean);
-}
-
-void ExpectSame(const ShapedStructure::Errors& a, const ShapedStructure::Errors& b) {
-  ExpectSame(a.shape, b.shape);
-  ASSERT_EQ(a.fields.size(), b.fields.size());
-  for (std::size_t f = 0; f < a.fields.size(); ++f) ExpectSame(a.fields[f], b.fields[f]);
-}
-
-void ExpectSame(const MapBuilding& a, const MapBuilding& b) {
-  const maps::MapContent first = a.structures()[0]->Content().value();
-  const maps::MapContent second = b.structures()[0]->Content().value();
-  EXPECT_EQ(first.splits, second.splits);
-  EXPECT_EQ(first.values, second.values);
-  EXPECT_EQ(first.errors, second.errors);
-  EXPECT_EQ(first.cut_off, second.cut_off);
-  const ShapedStructure shapes = ShapesOf(a), others = ShapesOf(b);
-  EXPECT_EQ(shapes.element_mesh, others.element_mesh);
-  ASSERT_EQ(shapes.meshes.size(), others.meshes.size());
-  for (std::size_t m = 0; m < shapes.meshes.size(); ++m) {
-    EXPECT_EQ(shapes.meshes[m].digest, others.meshes[m].digest);
-  }
-  ASSERT_EQ(shapes.shapes.size(), others.shapes.size());
-  for (const auto& [key, shape] : shapes.shapes) {
-    EXPECT_EQ(shape.digest, others.shapes.at(key).digest);
-  }
-  ASSERT_EQ(shapes.element_errors.size(), others.element_errors.size());
-  for (std::size_t e = 0; e < shapes.element_errors.size(); ++e) {
-    ExpectSame(shapes.element_errors[e], others.element_errors[e]);
-  }
-  ExpectSame(shapes.largest, others.largest);
-  ExpectSame(shapes.mean, others.mean);
-  EXPECT_EQ(shapes.unmapped, others.unmapped);
-}
-
-// What a build hands over to be kept, each thing once.
-struct Keeper {
-  KnownAnswers answers;
-  KnownShapes shapes;
-
-  void KeepFor(BuildOptions& options) {
-    options.keep = [this](const KnownAnswers& fresh) {
-      for (const auto& [key, answer] : fresh) EXPECT_TRUE(answers.emplace(key, answer).second);
-      return absl::OkStatus();
-    };
-    options.shapes->keep = [this](const KnownShapes& fresh) {
-      for (const auto& each : fresh.meshes) EXPECT_TRUE(shapes.meshes.insert(each).second);
-      for (const auto& each : fresh.shapes) EXPECT_TRUE(shapes.shapes.insert(each).second);
-      for (const auto& each : fresh.differences) {
-        EXPECT_TRUE(shapes.differences.insert(each).second);
-      }
-      return absl::OkStatus();
-    };
-  }
-};
-
-// A map as it is served.
-class ServedShapes {
- public:
-  ServedShapes(const MapBuilding& building, const FileShelf& shelf)
-      : map_(*maps::InterpolationMap::Create(*building.structures()[0]->Content())),
-        weights_(map_.tree()),
-        structure_(ShapesOf(building)) {
-    for (const ShapedStructure::Mesh& mesh : structure_.meshes) {
-      meshes_.push_back(ReadMesh(shelf.Get(mesh.digest).value()).value());
-    }
-    for (const auto& [key, shape] : structure_.shapes) {
-      shapes_[key] = ReadShape(shelf.Get(shape.digest).value(), meshes_[key.first]).value();
-    }
-    int order = 0;
-    for (const int element : map_.tree().Elements()) order_[element] = order++;
-  }
-
-  int MeshAt(const Eigen::VectorXd& point) const {
-    return structure_.element_mesh[order_.at(map_.tree().Locate(point))];
-  }
-  const CanonicalMesh& mesh(int number) const { return meshes_[number]; }
-  const ShapedStructure& structure() const { return structure_; }
-
-  BlendedShape At(const Eigen::VectorXd& point) const {
-    std::vector<maps::SampleWeight> weights;
-    weights_.At(point.data(), weights);
-    const int mesh = MeshAt(point);
-    std::vector<WeightedShape> shapes;
-    for (const maps::SampleWeight& each : weights) {
-      shapes.push_back({&shapes_.at({mesh, each.sample}), each.weight});
-    }
-    BlendedShape blended;
-    EXPECT_TRUE(
-        Blend(shapes, meshes_[mesh], {.surface_only = false, .fields = {0, 1}}, blended).ok());
-    return blended;
-  }
-
- private:
-  maps::InterpolationMap map_;
-  maps::PackedWeights weights_;
-  ShapedStructure structure_;
-  std::vector<CanonicalMesh> meshes_;
-  std::map<std::pair<int, int>, PackedShape> shapes_;
-  std::map<int, std::size_t> order_;
-};
 
 TEST(ShapeBuildingTest, MakesTheSameMapWithAnyNumberOfCallsAndThreads) {
   FileShelf shelf;
@@ -302,24 +172,6 @@ TEST(ShapeBuildingTest, GivesMeshesOfTheirOwnToWhatHasAnotherTopology) {
   ExpectSame(*building, *Built(plan, one));
 }
 
-TEST(ShapeBuildingTest, CutsOffAllWhereNothingCanBeMapped) {
-  FileShelf shelf;
-  const MapPlan plan = BlockPlan(100, 0);
-  BuildOptions options = BlockOptions(plan, shelf, 4, 4, 2);
-  options.shapes->most_inverted = -1;
-  const auto building = Built(plan, options);
-  const ShapedStructure structure = ShapesOf(*building);
-  EXPECT_THAT(structure.element_mesh, testing::Each(-1));
-  EXPECT_TRUE(structure.meshes.empty());
-  EXPECT_TRUE(structure.shapes.empty());
-  const BuildProgress progress = building->progress();
-  EXPECT_EQ(progress.failed, 0);
-  EXPECT_EQ(progress.shapes, 0);
-  EXPECT_EQ(structure.unmapped, progress.evaluations);
-  EXPECT_LT(progress.evaluations, 60);
-  EXPECT_EQ(progress.unmapped_failures[0].reason, "TOO_MANY_INVERTED");
-}
-
 TEST(ShapeBuildingTest, GivesEachStructureMeshesOfItsOwn) {
   FileShelf shelf;
   MapPlan plan = BlockPlan(60, 1);
@@ -415,98 +267,6 @@ TEST(ShapeBuildingTest, HasShapesOfAllElementsWhereverItIsStopped) {
       EXPECT_GT(served.At(point).node_count(), 0);
     }
   }
-}
-
-TEST(ShapeBuildingTest, CountsDesignsWithoutUsableShapesAsFailed) {
-  const MapPlan plan = BlockPlan(60, 0);
-  const std::map<std::string, std::function<void(DesignAnswer&, FileShelf&)>> faults = {
-      {"FILE_MISSING", [](DesignAnswer& answer, FileShelf&) { answer.file.clear(); }},
-      {"SHAPE_UNREADABLE",
-       [](DesignAnswer& answer, FileShelf& shelf) {
-         answer.file = shelf.Put(shelf.Get(answer.file)->substr(0, 200)).value();
-       }},
-      {"FIELD_MISSING", [](DesignAnswer& answer, FileShelf& shelf) {
-         BlockDesign block = PlainBlock(Eigen::Vector2d(1, 1));
-         block.stress = nullptr;
-         answer.file = shelf.Put(fields::WriteFields(MakeBlock(block)).value()).value();
-       }}};
-  for (const auto& [reason, spoil] : faults) {
-    FileShelf shelf;
-    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
-    options.evaluate = [&, good = options.evaluate,
-                        spoil = spoil](const std::vector<Eigen::VectorXd>& designs) {
-      auto answers = good(designs);
-      for (std::size_t n = 0; n < designs.size(); ++n) {
-        if (designs[n][0] > 0.9) spoil((*answers)[n], shelf);
-      }
-      return answers;
-    };
-    const auto building = Built(plan, options);
-    const BuildProgress progress = building->progress();
-    ASSERT_EQ(progress.failures.size(), 1U);
-    EXPECT_EQ(progress.failures[0].reason, reason);
-    const ServedShapes served(*building, shelf);
-    EXPECT_EQ(served.MeshAt(Eigen::Vector2d(0.99, 0.5)), -1);
-    EXPECT_EQ(served.MeshAt(Eigen::Vector2d(0.3, 0.5)), 0);
-  }
-}
-
-TEST(ShapeBuildingTest, EndsWhereFilesCannotBePutOrReadOrKept) {
-  const MapPlan plan = BlockPlan(60, 0);
-  const auto run = [&](const std::function<void(ShapeOptions&)>& spoil) {
-    FileShelf shelf;
-    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
-    spoil(*options.shapes);
-    return MapBuilding::Create(plan, options).value()->Run({});
-  };
-  std::atomic<int> puts = 0;
-  const absl::Status full = run([&](ShapeOptions& shapes) {
-    shapes.put = [&, put = shapes.put](const std::string& bytes) -> absl::StatusOr<std::string> {
-      if (++puts > 10) return absl::ResourceExhaustedError("the disk is full");
-      return put(bytes);
-    };
-  });
-  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
-  EXPECT_TRUE(absl::IsInternal(run([](ShapeOptions& shapes) {
-    shapes.keep = [](const KnownShapes&) { return absl::InternalError("no store"); };
-  })));
-  std::atomic<int> gets = 0;
-  EXPECT_TRUE(absl::IsNotFound(run([&](ShapeOptions& shapes) {
-    shapes.memory = 0;
-    shapes.get = [&, get = shapes.get](const std::string& digest) -> absl::StatusOr<std::string> {
-      if (++gets > 20) return absl::NotFoundError("gone");
-      return get(digest);
-    };
-  })));
-}
-
-TEST(ShapeBuildingTest, AsksAgainWhereAKnownAnswerHasNoShape) {
-  FileShelf shelf;
-  const MapPlan plan = BlockPlan(40, 1);
-  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
-  Keeper keeper;
-  keeper.KeepFor(options);
-  const auto first = Built(plan, options);
-  KnownAnswers old = keeper.answers;
-  for (auto& [key, answer] : old) answer.file.clear();
-  options.keep = nullptr;
-  options.shapes->keep = nullptr;
-  ExpectSame(*first, *Built(plan, options, old));
-}
-
-TEST(ShapeBuildingTest, RefusesWhatWasKeptOfAnotherMap) {
-  FileShelf shelf;
-  const MapPlan plan = BlockPlan(40, 1);
-  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
-  Keeper keeper;
-  keeper.KeepFor(options);
-  Built(plan, options);
-  KnownShapes wrong = keeper.shapes;
-  wrong.meshes.begin()->second.number += 1;
-  const absl::Status status =
-      MapBuilding::Create(plan, options).value()->Run(KnownAnswers(keeper.answers), wrong);
-  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
-  EXPECT_THAT(status.message(), HasSubstr("another map"));
 }
 
 }  // namespace

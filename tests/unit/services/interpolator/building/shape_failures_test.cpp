@@ -1,0 +1,128 @@
+// What goes wrong with the shapes of maps while they are built.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+
+#include "common/fields/fields_file.h"
+#include "tests/unit/services/interpolator/building/built_shapes.h"
+
+namespace mortise::interpolator {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ShapeFailuresTest, CutsOffAllWhereNothingCanBeMapped) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(100, 0);
+  BuildOptions options = BlockOptions(plan, shelf, 4, 4, 2);
+  options.shapes->most_inverted = -1;
+  const auto building = Built(plan, options);
+  const ShapedStructure structure = ShapesOf(*building);
+  EXPECT_THAT(structure.element_mesh, testing::Each(-1));
+  EXPECT_TRUE(structure.meshes.empty());
+  EXPECT_TRUE(structure.shapes.empty());
+  const BuildProgress progress = building->progress();
+  EXPECT_EQ(progress.failed, 0);
+  EXPECT_EQ(progress.shapes, 0);
+  EXPECT_EQ(structure.unmapped, progress.evaluations);
+  EXPECT_LT(progress.evaluations, 60);
+  EXPECT_EQ(progress.unmapped_failures[0].reason, "TOO_MANY_INVERTED");
+}
+
+TEST(ShapeFailuresTest, CountsDesignsWithoutUsableShapesAsFailed) {
+  const MapPlan plan = BlockPlan(60, 0);
+  const std::map<std::string, std::function<void(DesignAnswer&, FileShelf&)>> faults = {
+      {"FILE_MISSING", [](DesignAnswer& answer, FileShelf&) { answer.file.clear(); }},
+      {"SHAPE_UNREADABLE",
+       [](DesignAnswer& answer, FileShelf& shelf) {
+         answer.file = shelf.Put(shelf.Get(answer.file)->substr(0, 200)).value();
+       }},
+      {"FIELD_MISSING", [](DesignAnswer& answer, FileShelf& shelf) {
+         BlockDesign block = PlainBlock(Eigen::Vector2d(1, 1));
+         block.stress = nullptr;
+         answer.file = shelf.Put(fields::WriteFields(MakeBlock(block)).value()).value();
+       }}};
+  for (const auto& [reason, spoil] : faults) {
+    FileShelf shelf;
+    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+    options.evaluate = [&, good = options.evaluate,
+                        spoil = spoil](const std::vector<Eigen::VectorXd>& designs) {
+      auto answers = good(designs);
+      for (std::size_t n = 0; n < designs.size(); ++n) {
+        if (designs[n][0] > 0.9) spoil((*answers)[n], shelf);
+      }
+      return answers;
+    };
+    const auto building = Built(plan, options);
+    const BuildProgress progress = building->progress();
+    ASSERT_EQ(progress.failures.size(), 1U);
+    EXPECT_EQ(progress.failures[0].reason, reason);
+    const ServedShapes served(*building, shelf);
+    EXPECT_EQ(served.MeshAt(Eigen::Vector2d(0.99, 0.5)), -1);
+    EXPECT_EQ(served.MeshAt(Eigen::Vector2d(0.3, 0.5)), 0);
+  }
+}
+
+TEST(ShapeFailuresTest, EndsWhereFilesCannotBePutOrReadOrKept) {
+  const MapPlan plan = BlockPlan(60, 0);
+  const auto run = [&](const std::function<void(ShapeOptions&)>& spoil) {
+    FileShelf shelf;
+    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+    spoil(*options.shapes);
+    return MapBuilding::Create(plan, options).value()->Run({});
+  };
+  std::atomic<int> puts = 0;
+  const absl::Status full = run([&](ShapeOptions& shapes) {
+    shapes.put = [&, put = shapes.put](const std::string& bytes) -> absl::StatusOr<std::string> {
+      if (++puts > 10) return absl::ResourceExhaustedError("the disk is full");
+      return put(bytes);
+    };
+  });
+  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
+  EXPECT_TRUE(absl::IsInternal(run([](ShapeOptions& shapes) {
+    shapes.keep = [](const KnownShapes&) { return absl::InternalError("no store"); };
+  })));
+  std::atomic<int> gets = 0;
+  EXPECT_TRUE(absl::IsNotFound(run([&](ShapeOptions& shapes) {
+    shapes.memory = 0;
+    shapes.get = [&, get = shapes.get](const std::string& digest) -> absl::StatusOr<std::string> {
+      if (++gets > 20) return absl::NotFoundError("gone");
+      return get(digest);
+    };
+  })));
+}
+
+TEST(ShapeFailuresTest, AsksAgainWhereAKnownAnswerHasNoShape) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(40, 1);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+  Keeper keeper;
+  keeper.KeepFor(options);
+  const auto first = Built(plan, options);
+  KnownAnswers old = keeper.answers;
+  for (auto& [key, answer] : old) answer.file.clear();
+  options.keep = nullptr;
+  options.shapes->keep = nullptr;
+  ExpectSame(*first, *Built(plan, options, old));
+}
+
+TEST(ShapeFailuresTest, RefusesWhatWasKeptOfAnotherMap) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(40, 1);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+  Keeper keeper;
+  keeper.KeepFor(options);
+  Built(plan, options);
+  KnownShapes wrong = keeper.shapes;
+  wrong.meshes.begin()->second.number += 1;
+  const absl::Status status =
+      MapBuilding::Create(plan, options).value()->Run(KnownAnswers(keeper.answers), wrong);
+  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+  EXPECT_THAT(status.message(), HasSubstr("another map"));
+}
+
+}  // namespace
+}  // namespace mortise::interpolator
