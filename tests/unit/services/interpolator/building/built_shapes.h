@@ -13,7 +13,7 @@
 #include "services/interpolator/building/map_building.h"
 #include "services/interpolator/shapes/blend.h"
 #include "services/interpolator/shapes/shape_file.h"
-#include "tests/unit/services/interpolator/building/block_designs.h"
+#include "tests/unit/services/interpolator/building/formula_blocks.h"
 
 namespace mortise::interpolator {
 

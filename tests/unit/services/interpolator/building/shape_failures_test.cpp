@@ -41,7 +41,7 @@ TEST(ShapeFailuresTest, CountsDesignsWithoutUsableShapesAsFailed) {
          answer.file = shelf.Put(shelf.Get(answer.file)->substr(0, 200)).value();
        }},
       {"FIELD_MISSING", [](DesignAnswer& answer, FileShelf& shelf) {
-         BlockDesign block = PlainBlock(Eigen::Vector2d(1, 1));
+         FormulaBlock block = PlainBlock(Eigen::Vector2d(1, 1));
          block.stress = nullptr;
          answer.file = shelf.Put(fields::WriteFields(MakeBlock(block)).value()).value();
        }}};

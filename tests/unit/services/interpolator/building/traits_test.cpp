@@ -4,13 +4,13 @@
 
 #include <set>
 
-#include "tests/unit/services/interpolator/building/block_designs.h"
+#include "tests/unit/services/interpolator/building/formula_blocks.h"
 
 namespace mortise::interpolator {
 namespace {
 
 CanonicalMesh BlockMeshOf(int cells) {
-  BlockDesign block = PlainBlock(Eigen::Vector2d(0.5, 0.5));
+  FormulaBlock block = PlainBlock(Eigen::Vector2d(0.5, 0.5));
   block.cells = cells;
   return CanonicalMesh::Create(MakeBlock(block)).value();
 }

@@ -15,17 +15,17 @@
 
 namespace mortise::interpolator {
 
-struct BlockDesign {
+struct FormulaBlock {
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  // m
-  int cells = 3;          // along each edge of the two larger faces; 3 with a hole
-  bool has_hole = false;  // through the middle, along z
-  // Fields at a place in the block (0 to 1 along each edge).
-  std::function<double(const Eigen::Vector3d&)> temperature;  // of nodes
-  std::function<double(const Eigen::Vector3d&)> stress;       // of tetrahedra
+  int cells = 3;                                   // along each edge of the two larger faces
+  bool has_hole = false;                           // a round one through the middle, along z
+  // Fields at a place in the block (0 to 1 along each edge); left out where there is none.
+  std::function<double(const Eigen::Vector3d&)> temperature;  // K, of nodes
+  std::function<double(const Eigen::Vector3d&)> stress;       // Pa, of tetrahedra
 };
 
-// With corners as control points, edges as paths, and one region, "top".
-fields::DesignFields MakeBlock(const BlockDesign& block);
+// With control points, paths, and the region "held".
+fields::DesignFields MakeBlock(const FormulaBlock& block);
 
 // Files by their digests, which count what is put. Thread safe.
 class FileShelf {
@@ -45,10 +45,10 @@ class FileShelf {
 MapPlan BlockPlan(int evaluations, int metrics);
 
 // A block of 1 + x by 1 + y / 2 by 1/4 m, whose temperature bends along y and whose stress along x.
-BlockDesign PlainBlock(const Eigen::VectorXd& design);
+FormulaBlock PlainBlock(const Eigen::VectorXd& design);
 
 // Builds with blocks: evaluation puts their files on the shelf, which outlives the options.
 BuildOptions BlockOptions(const MapPlan& plan, FileShelf& shelf, int lanes, int batch, int threads,
-                          std::function<BlockDesign(const Eigen::VectorXd&)> make = PlainBlock);
+                          std::function<FormulaBlock(const Eigen::VectorXd&)> make = PlainBlock);
 
 }  // namespace mortise::interpolator
