@@ -18,11 +18,11 @@ constexpr int kTries = 2;                                       // of a file tha
 }  // namespace
 
 absl::StatusOr<std::string> FetchDesignFile(const std::shared_ptr<grpc::Channel>& channel,
-                                            const DesignFile& file, const rpc::Origin& origin,
+                                            const std::string& sha256, const rpc::Origin& origin,
                                             const rpc::RetryOptions& retry) {
   const auto stub = v1::SimulatorService::NewStub(channel);
   v1::DownloadBlobRequest request;
-  request.set_sha256(file.sha256);
+  request.set_sha256(sha256);
   const absl::Status too_large = TooLarge("the file of shape and fields", "256 MiB");
   std::string bytes;
   for (int i = 0; i < kTries; ++i) {
@@ -35,11 +35,11 @@ absl::StatusOr<std::string> FetchDesignFile(const std::shared_ptr<grpc::Channel>
           return rpc::ToGrpc(received.status());
         });
     MORTISE_RETURN_IF_ERROR(fetched);
-    if (Sha256Hex(bytes) == file.sha256) return bytes;
+    if (Sha256Hex(bytes) == sha256) return bytes;
   }
-  return WithDetail(absl::DataLossError(absl::StrCat("the file of shape and fields ", file.sha256,
+  return WithDetail(absl::DataLossError(absl::StrCat("the file of shape and fields ", sha256,
                                                      " came with another digest")),
-                    {"FILE_DAMAGED", file.sha256});
+                    {"FILE_DAMAGED", sha256});
 }
 
 }  // namespace mortise::evaluation

@@ -27,7 +27,7 @@ struct DesignFile {
 // gone: the design may be evaluated again; RESOURCE_EXHAUSTED where it is larger than such files
 // can be (256 MiB); DATA_LOSS where it has another digest, twice; UNAVAILABLE.
 absl::StatusOr<std::string> FetchDesignFile(const std::shared_ptr<grpc::Channel>& channel,
-                                            const DesignFile& file, const rpc::Origin& origin,
+                                            const std::string& sha256, const rpc::Origin& origin,
                                             const rpc::RetryOptions& retry);
 
 }  // namespace mortise::evaluation

@@ -24,9 +24,10 @@ namespace mortise::store {
 namespace {
 
 constexpr const char* kParts = "parts";
+constexpr const char* kDiskFull = "the disk is full";
 
 absl::Status Failed(const std::filesystem::path& path) {
-  if (errno == ENOSPC) return StorageFailed(path.string(), "the disk is full");
+  if (errno == ENOSPC || errno == EDQUOT) return StorageFailed(path.string(), kDiskFull);
   return StorageFailed(path.string(), std::strerror(errno));
 }
 
@@ -121,6 +122,11 @@ class FileBlobWriter final : public BlobWriter {
 };
 
 }  // namespace
+
+bool IsDiskFull(const absl::Status& status) {
+  const ErrorDetail detail = DetailOf(status);
+  return detail.reason == "STORAGE_FAILED" && status == StorageFailed(detail.field, kDiskFull);
+}
 
 BlobFolder::BlobFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
 

@@ -31,6 +31,9 @@ class BlobWriter {
   virtual absl::StatusOr<std::string> Finish() = 0;
 };
 
+// Whether a failure to write a blob is for want of room on the disk.
+bool IsDiskFull(const absl::Status& status);
+
 class BlobFolder {
  public:
   // Creates the folder if it is missing and checks that it can be written; INTERNAL,

@@ -165,6 +165,11 @@ inline constexpr Example kExamples[] = {
     {"InterpolatorService/ListMaps", "page_size: 10"},
     {"InterpolatorService/EvaluateMap",
      "name: '{map}' points: [1.3, 1.45] metrics: 'mass' gradients: true"},
+    {"InterpolatorService/EvaluateMapShape",
+     "name: '{map}' point: 1.3 fields: 'von_mises' metrics: 'mass' geometry: SURFACE",
+     Outcome::kRefused},
+    {"InterpolatorService/FollowMapShape", "begin { name: '{map}' metrics: 'mass' }",
+     Outcome::kRefused},
     {"InterpolatorService/ExportMap", "name: '{map}' structure: 0 metrics: 'mass'"},
     {"InterpolatorService/OptimizeMap",
      "name: '{map}' objective: 'mass' starts: 2 seed: 1 limits { metric: 'mass' minimum: 0 "

@@ -3,9 +3,12 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,17 +19,19 @@
 #include "common/base/logging.h"
 #include "common/host/operation_codec.h"
 #include "common/store/blob_folder.h"
-#include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/building/map_building.h"
 #include "services/interpolator/records/kept_answers.h"
+#include "services/interpolator/records/kept_shapes.h"
+#include "services/interpolator/records/map_files.h"
 #include "services/interpolator/records/stored_map.h"
 #include "services/interpolator/service/map_evaluator.h"
 #include "services/interpolator/service/map_message.h"
 #include "services/interpolator/service/map_records.h"
 #include "services/interpolator/service/plan_request.h"
+#include "services/interpolator/service/shapes_message.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -53,6 +58,7 @@ maps::MapSamplingOptions SamplingOf(const v1::MapSpecification& specification,
     options.noise_floor.push_back(metric.noise_floor);
   }
   options.seed = static_cast<std::uint64_t>(specification.seed());
+  options.errors_from_outside = specification.has_shape();
   const auto structures = static_cast<int>(plan.structures.cols());
   options.round_points =
       std::clamp(plan.evaluations / structures / kRounds, kLeastRound, kMostRound);
@@ -61,10 +67,12 @@ maps::MapSamplingOptions SamplingOf(const v1::MapSpecification& specification,
 
 class BuildRun {
  public:
-  BuildRun(rpc::ServiceEnvironment& environment, operations::OperationContext& context)
+  BuildRun(rpc::ServiceEnvironment& environment, DiskQuota& quota,
+           operations::OperationContext& context)
       : environment_(environment),
         context_(context),
-        id_(context.name().substr(context.name().rfind('/') + 1)) {}
+        id_(context.name().substr(context.name().rfind('/') + 1)),
+        disk_(&quota) {}
 
   absl::StatusOr<std::string> Run() {
     // An earlier run may have written the map and died before it could say so.
@@ -75,7 +83,7 @@ class BuildRun {
     // What ends for good needs its answers no more; the simulator has them still.
     if (!result.ok() && !absl::IsAborted(result.status()) && !WillGoOn()) {
       MORTISE_RETURN_IF_ERROR(context_.Transact(
-          [this](store::Transaction& transaction) { return DropAnswers(transaction, id_); }));
+          [this](store::Transaction& transaction) { return DropKept(transaction); }));
     }
     return result;
   }
@@ -88,14 +96,33 @@ class BuildRun {
       return StorageFailed(context_.name(), "the stored request cannot be read");
     }
     const v1::MapSpecification& specification = request_.specification();
-    MORTISE_ASSIGN_OR_RETURN(evaluator_, MapEvaluator::Create(environment_, specification));
-    MORTISE_ASSIGN_OR_RETURN(const auto described, evaluator_->Describe(context_.stop_token()));
-    MORTISE_ASSIGN_OR_RETURN(plan_, MakePlan(specification, *described));
+    MORTISE_ASSIGN_OR_RETURN(blobs_, environment_.store->Blobs());
+    MORTISE_ASSIGN_OR_RETURN(
+        evaluator_, MapEvaluator::Create(environment_, specification, context_.stop_token()));
+    MORTISE_ASSIGN_OR_RETURN(plan_, MakePlan(specification, evaluator_->described()));
     const BuildOptions options = MakeOptions();
     MORTISE_ASSIGN_OR_RETURN(const auto building, MapBuilding::Create(plan_, options));
-    MORTISE_ASSIGN_OR_RETURN(const KnownAnswers known, LoadAnswers(*environment_.store, id_));
-    MORTISE_RETURN_IF_ERROR(building->Run(known));
+    MORTISE_ASSIGN_OR_RETURN(const KeptAnswers kept, LoadAnswers(*environment_.store, id_));
+    for (const auto& [file, design] : kept.designs) evaluator_->Remember(file, design);
+    MORTISE_ASSIGN_OR_RETURN(KnownShapes shapes, LoadShapes(*environment_.store, id_));
+    MORTISE_RETURN_IF_ERROR(CountKnown(shapes));
+    MORTISE_RETURN_IF_ERROR(building->Run(kept.answers, std::move(shapes)));
     return Finish(*building);
+  }
+
+  absl::Status DropKept(store::Transaction& transaction) const {
+    MORTISE_RETURN_IF_ERROR(DropShapes(transaction, id_));
+    return DropAnswers(transaction, id_);
+  }
+
+  // The disk that an earlier run has taken.
+  absl::Status CountKnown(const KnownShapes& known) {
+    std::map<std::string, std::int64_t> files;
+    for (const auto& [key, mesh] : known.meshes) files[mesh.digest] = mesh.bytes;
+    for (const auto& [key, shape] : known.shapes) files[shape.digest] = shape.bytes;
+    std::int64_t bytes = 0;
+    for (const auto& [digest, size] : files) bytes += size;
+    return disk_.Take(bytes);
   }
 
   // Whether another run takes this one's place: it was stopped by a shutdown or a takeover, and by
@@ -124,12 +151,36 @@ class BuildRun {
       options.is_out_of_time = [end] { return absl::Now() >= end; };
     }
     options.keep = [this](const KnownAnswers& answers) {
-      return context_.Transact(
-          [&](store::Transaction& transaction) { return PutAnswers(transaction, id_, answers); });
+      return context_.Transact([&](store::Transaction& transaction) {
+        return PutAnswers(transaction, id_, answers, [this](const std::string& file) {
+          return evaluator_->DesignOf(file).value_or(Eigen::VectorXd());
+        });
+      });
     };
+    if (request_.specification().has_shape()) options.shapes = MakeShapeOptions();
     options.progress = [this](const BuildProgress& progress) { Tell(progress); };
     options.judge = [this](const BuildProgress& progress) { return Judge(progress); };
     options.waiting = [this](std::chrono::seconds waited) { TellOfWaiting(waited); };
+    return options;
+  }
+
+  ShapeOptions MakeShapeOptions() {
+    const v1::MapSpecification::ShapeChoice& wanted = request_.specification().shape();
+    ShapeOptions options;
+    for (const auto& field : wanted.fields()) {
+      options.fields.push_back({field.name(), field.noise_floor()});
+    }
+    options.noise_floor = wanted.noise_floor();
+    options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    options.put = [this](const std::string& bytes) { return PutFile(*blobs_, disk_, bytes); };
+    options.get = [this](const std::string& digest) {
+      // What the evaluator gave is with the simulator, what came of it is here.
+      return evaluator_->DesignOf(digest) ? evaluator_->Fetch(digest) : blobs_->Get(digest);
+    };
+    options.keep = [this](const KnownShapes& known) {
+      return context_.Transact(
+          [&](store::Transaction& transaction) { return PutShapes(transaction, id_, known); });
+    };
     return options;
   }
 
@@ -142,6 +193,11 @@ class BuildRun {
                         ? absl::StrFormat("error %.3g of the range, %d elements", progress.error,
                                           progress.elements)
                         : absl::StrFormat("error not measured yet, %d elements", progress.elements);
+    if (request_.specification().has_shape()) {
+      absl::StrAppend(&told_.message, ", ", progress.shapes, " shapes in ", progress.meshes,
+                      progress.meshes == 1 ? " mesh" : " meshes");
+      if (progress.to_map > 0) absl::StrAppend(&told_.message, ", ", progress.to_map, " to map");
+    }
     if (progress.failed > 0) {
       absl::StrAppend(&told_.message, ", ", progress.failed, " failed (",
                       evaluation::CountsByReason(progress.failures), ")");
@@ -214,32 +270,51 @@ class BuildRun {
     return packed;
   }
 
+  // What the structures have of shapes; none of a map without.
+  absl::StatusOr<std::vector<ShapedStructure>> ShapesOf(const MapBuilding& building) const {
+    std::vector<ShapedStructure> shapes;
+    for (std::size_t s = 0; s < building.structures().size(); ++s) {
+      MORTISE_ASSIGN_OR_RETURN(std::optional<ShapedStructure> of_structure, building.ShapesOf(s));
+      if (of_structure) shapes.push_back(*std::move(of_structure));
+    }
+    return shapes;
+  }
+
   // The map, packed.
   absl::StatusOr<std::string> StoreMap(const MapBuilding& building,
                                        const std::vector<maps::MapContent>& contents) {
-    const std::string bytes = SerializeMap(contents);
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<ShapedStructure> shaped, ShapesOf(building));
+    const std::int64_t of_shapes = BytesOf(shaped);
+    const v1::MapShapes shapes = MakeShapes(request_.specification(), shaped, of_shapes);
+    std::vector<StoredShapes> stored;
+    for (const ShapedStructure& structure : shaped) stored.push_back(ToStored(structure, shapes));
+    const std::string bytes = SerializeMap(contents, stored);
     // What is not to be read again is never stored.
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<maps::InterpolationMap> structures, ParseMap(bytes));
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<StoredStructure> structures, ParseMap(bytes));
     v1::DesignMap map = MakeMap(request_.specification(), plan_, building, structures);
     map.set_name(MapName());
     rpc::SetTagsAndCreator(context_.operation(), &map);
-    MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment_.store->Blobs());
-    MORTISE_ASSIGN_OR_RETURN(const std::string digest, blobs->Put(bytes));
-    // The same file may be there from a map that was deleted, and about to be removed.
-    MORTISE_RETURN_IF_ERROR(store::TouchBlob(*blobs, digest));
+    MORTISE_ASSIGN_OR_RETURN(const std::string digest, PutFile(*blobs_, disk_, bytes));
     map.set_sha256(digest);
-    map.set_bytes(static_cast<std::int64_t>(bytes.size()));
-    MORTISE_RETURN_IF_ERROR(context_.Transact([&](store::Transaction& transaction) -> absl::Status {
-      *map.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
-          absl::ToUnixMicros(transaction.Now()));
-      MORTISE_RETURN_IF_ERROR(transaction.Put(kMaps.kind, id_, map.SerializeAsString()).status());
-      MORTISE_RETURN_IF_ERROR(DropAnswers(transaction, id_));
-      return transaction.AppendEvent({.type = "map.created",
-                                      .subject = map.name(),
-                                      .payload = "{}",
-                                      .trace_id = CurrentTraceId()});
-    }));
+    map.set_bytes(static_cast<std::int64_t>(bytes.size()) + of_shapes);
+    if (!shaped.empty()) *map.mutable_shapes() = shapes;
+    MORTISE_RETURN_IF_ERROR(context_.Transact(
+        [&](store::Transaction& transaction) { return PutMap(transaction, stored, map); }));
     return rpc::PackResult(map);
+  }
+
+  // The map in the place of what was kept for it, all at once.
+  absl::Status PutMap(store::Transaction& transaction, const std::vector<StoredShapes>& shapes,
+                      v1::DesignMap& map) const {
+    *map.mutable_create_time() = google::protobuf::util::TimeUtil::MicrosecondsToTimestamp(
+        absl::ToUnixMicros(transaction.Now()));
+    MORTISE_RETURN_IF_ERROR(transaction.Put(kMaps.kind, id_, map.SerializeAsString()).status());
+    if (!shapes.empty()) MORTISE_RETURN_IF_ERROR(PutMapFiles(transaction, id_, shapes));
+    MORTISE_RETURN_IF_ERROR(DropKept(transaction));
+    return transaction.AppendEvent({.type = "map.created",
+                                    .subject = map.name(),
+                                    .payload = "{}",
+                                    .trace_id = CurrentTraceId()});
   }
 
   std::string MapName() const { return absl::StrCat(kMaps.names, "/", id_); }
@@ -247,6 +322,8 @@ class BuildRun {
   rpc::ServiceEnvironment& environment_;
   operations::OperationContext& context_;
   const std::string id_;
+  DiskQuota::Build disk_;
+  store::BlobFolder* blobs_ = nullptr;
   v1::BuildMapRequest request_;
   MapPlan plan_;
   std::unique_ptr<MapEvaluator> evaluator_;
@@ -257,9 +334,9 @@ class BuildRun {
 }  // namespace
 
 absl::StatusOr<std::string> RunBuildOperation(
-    rpc::ServiceEnvironment& environment, operations::OperationContext& context,
+    rpc::ServiceEnvironment& environment, DiskQuota& quota, operations::OperationContext& context,
     const std::function<void(const std::string& subject)>& stored) {
-  BuildRun run(environment, context);
+  BuildRun run(environment, quota, context);
   absl::StatusOr<std::string> result = run.Run();
   if (!run.subject().empty()) stored(run.subject());
   return result;

@@ -14,13 +14,15 @@ class Store;
 namespace mortise::interpolator {
 
 class LoadedMaps;
+class LoadedShapes;
 
 // All of it outlives the calls.
 struct Interpolator {
   store::Store* store;
   operations::Operations* operations;
-  rpc::Peers* peers;   // of which "simulator" evaluates
-  LoadedMaps* loaded;  // those that were asked last
+  rpc::Peers* peers;     // of which "simulator" evaluates
+  LoadedMaps* loaded;    // those that were asked last
+  LoadedShapes* shapes;  // likewise, of all maps
 };
 
 inline constexpr char kEvaluatorPeer[] = "simulator";

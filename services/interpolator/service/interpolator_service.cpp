@@ -10,6 +10,8 @@
 #include "common/rpc/method_overrides.h"
 #include "common/store/store.h"
 #include "mortise/v1/interpolator.grpc.pb.h"
+#include "services/interpolator/records/disk_quota.h"
+#include "services/interpolator/records/loaded_shapes.h"
 #include "services/interpolator/service/build_methods.h"
 #include "services/interpolator/service/build_operation.h"
 #include "services/interpolator/service/export_methods.h"
@@ -27,22 +29,26 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
 
  public:
   InterpolatorAdapter(rpc::ServiceEnvironment& environment, store::BlobFolder* blobs,
-                      std::unique_ptr<StaleUpkeep> stale)
+                      double disk_quota, std::unique_ptr<StaleUpkeep> stale)
       : loaded_(environment.store, blobs),
-        interpolator_{environment.store, environment.operations, environment.peers, &loaded_},
+        shapes_(blobs),
+        quota_(disk_quota, [store = environment.store] { return BytesOfMaps(*store); }),
+        interpolator_{environment.store, environment.operations, environment.peers, &loaded_,
+                      &shapes_},
         endpoint_(environment.dispatcher, "mortise.v1.InterpolatorService"),
         stale_(std::move(stale)),
         files_(environment) {
     environment.operations->Register(
         operations::kMapOperation, [this, &environment](operations::OperationContext& context) {
           // Its subject may have changed while it was sampled.
-          return RunBuildOperation(environment, context, [this](const std::string& subject) {
-            stale_->Notice({subject});
-          });
+          return RunBuildOperation(
+              environment, quota_, context,
+              [this](const std::string& subject) { stale_->Notice({subject}); });
         });
     environment.operations->Register(operations::kVerificationOperation,
                                      [this, &environment](operations::OperationContext& context) {
-                                       return RunVerifyOperation(environment, loaded_, context);
+                                       return RunVerifyOperation(environment, loaded_, shapes_,
+                                                                 context);
                                      });
   }
 
@@ -52,6 +58,8 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
   MORTISE_QUERY(ListMaps, rpc::With(interpolator_, methods::ListMaps))
   MORTISE_QUERY(EvaluateMap, rpc::With(interpolator_, methods::EvaluateMap))
   MORTISE_SERVER_STREAM(ExportMap, rpc::With(interpolator_, methods::ExportMap))
+  MORTISE_QUERY(EvaluateMapShape, rpc::With(interpolator_, methods::EvaluateMapShape))
+  MORTISE_BIDI(FollowMapShape, rpc::With(interpolator_, methods::FollowMapShape), {.endless = true})
   MORTISE_QUERY(OptimizeMap, rpc::With(interpolator_, methods::OptimizeMap))
   MORTISE_MUTATION(VerifyMap, rpc::With(interpolator_, methods::VerifyMap))
   MORTISE_MUTATION(UpdateMap, methods::UpdateMap)
@@ -59,6 +67,8 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
 
  private:
   LoadedMaps loaded_;
+  LoadedShapes shapes_;
+  DiskQuota quota_;
   const Interpolator interpolator_;
   rpc::Endpoint endpoint_;
   const std::unique_ptr<StaleUpkeep> stale_;
@@ -68,11 +78,11 @@ class InterpolatorAdapter final : public v1::InterpolatorService::CallbackServic
 }  // namespace
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
-    rpc::ServiceEnvironment& environment) {
+    rpc::ServiceEnvironment& environment, double disk_quota) {
   MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment.store->Blobs());
   MORTISE_ASSIGN_OR_RETURN(std::unique_ptr<StaleUpkeep> stale, StaleUpkeep::Start(environment));
   return std::vector<std::shared_ptr<grpc::Service>>{
-      std::make_shared<InterpolatorAdapter>(environment, blobs, std::move(stale))};
+      std::make_shared<InterpolatorAdapter>(environment, blobs, disk_quota, std::move(stale))};
 }
 
 }  // namespace mortise::interpolator

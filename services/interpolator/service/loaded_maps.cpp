@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/interpolator/records/stored_map.h"
 #include "services/interpolator/service/map_records.h"
 
 namespace mortise::interpolator {
@@ -15,6 +14,25 @@ absl::Status Damaged(const v1::DesignMap& map, const std::string& why) {
       absl::DataLossError(absl::StrCat("the file of ", map.name(), " cannot be used (", why,
                                        "); building the map again mends it")),
       {"MAP_DAMAGED", map.name()});
+}
+
+ServedShapes ReadyShapes(StoredShapes stored, const maps::RefinementTree& tree) {
+  ServedShapes shapes{std::move(stored), maps::PackedWeights(tree), {}};
+  const std::vector<int> elements = tree.Elements();
+  shapes.order.assign(static_cast<std::size_t>(elements.back()) + 1, -1);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    shapes.order[static_cast<std::size_t>(elements[i])] = static_cast<int>(i);
+  }
+  return shapes;
+}
+
+// What a structure takes in memory beside its metrics, about.
+std::size_t BytesOf(const ServedShapes& shapes) {
+  constexpr std::size_t kOfShape = 200;    // a digest in a map
+  constexpr std::size_t kOfElement = 500;  // weights of its samples
+  std::size_t files = 0;
+  for (const StoredMesh& mesh : shapes.stored.meshes) files += mesh.shapes.size();
+  return kOfShape * files + kOfElement * shapes.stored.element_meshes.size();
 }
 
 }  // namespace
@@ -40,10 +58,17 @@ absl::StatusOr<LoadedMaps::Kept::Made> LoadedMaps::Load(v1::DesignMap record) co
   }
   auto loaded = std::make_shared<LoadedMap>();
   loaded->record = std::move(record);
-  loaded->structures = *std::move(structures);
   std::size_t kept = bytes->size();
-  for (const maps::InterpolationMap& structure : loaded->structures) {
-    kept += structure.packed_bytes();
+  for (StoredStructure& structure : *structures) {
+    kept += structure.map.packed_bytes();
+    loaded->structures.push_back(std::move(structure.map));
+  }
+  // The weights refer to the trees, which stay where they are from now on.
+  for (std::size_t s = 0; s < structures->size() && loaded->record.has_shapes(); ++s) {
+    StoredShapes& stored = (*structures)[s].shapes;
+    if (stored.element_meshes.empty()) return Damaged(loaded->record, "it has no shapes");
+    loaded->shapes.push_back(ReadyShapes(std::move(stored), loaded->structures[s].tree()));
+    kept += BytesOf(loaded->shapes.back());
   }
   return Kept::Made{std::move(loaded), kept};
 }

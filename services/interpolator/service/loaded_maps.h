@@ -8,16 +8,26 @@
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
 #include "common/maps/interpolation_map.h"
+#include "common/maps/packed_weights.h"
 #include "common/store/blob_folder.h"
 #include "common/store/store.h"
 #include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/records/stored_map.h"
 
 namespace mortise::interpolator {
+
+// What a structure's map has of shapes, ready to be asked.
+struct ServedShapes {
+  StoredShapes stored;
+  maps::PackedWeights weights;
+  std::vector<int> order;  // of each node of the tree that is an element: its place in `stored`
+};
 
 // A map as it was stored, ready to be asked.
 struct LoadedMap {
   v1::DesignMap record;                            // when it was read first
   std::vector<maps::InterpolationMap> structures;  // in the order of record.structures
+  std::vector<ServedShapes> shapes;                // likewise; none of a map of metrics alone
 };
 
 // Thread safe.

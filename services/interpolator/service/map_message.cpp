@@ -40,12 +40,12 @@ int DepthOf(const maps::RefinementTree& tree) {
 }
 
 void AddStructures(const MapPlan& plan, const MapBuilding& building,
-                   const std::vector<maps::InterpolationMap>& structures, v1::DesignMap& map) {
+                   const std::vector<StoredStructure>& structures, v1::DesignMap& map) {
   const std::vector<std::size_t> wholes = plan.WholeParameters();
   StopReason first_of_all = StopReason::kConverged;
   for (std::size_t s = 0; s < building.structures().size(); ++s) {
     const maps::MapSamplingProgress sampled = building.structures()[s]->Progress();
-    const maps::MapContent& content = structures[s].content();
+    const maps::MapContent& content = structures[s].map.content();
     v1::MapStructure& to = *map.add_structures();
     for (std::size_t i = 0; i < wholes.size(); ++i) {
       v1::ParameterValue& value = *to.add_values();
@@ -57,7 +57,7 @@ void AddStructures(const MapPlan& plan, const MapBuilding& building,
     to.set_failed_evaluations(sampled.failed);
     to.set_elements(static_cast<std::int64_t>(content.cut_off.size()));
     to.set_cut_off_elements(std::ranges::count(content.cut_off, 1));
-    to.set_depth(DepthOf(structures[s].tree()));
+    to.set_depth(DepthOf(structures[s].map.tree()));
     to.set_stop_reason(StopReasonName(building.ReasonOf(s)));
     map.set_samples(map.samples() + to.samples());
     map.set_probes(map.probes() + to.probes());
@@ -100,7 +100,7 @@ struct ProbedErrors {
 
 // The errors of all structures: the mean weighs each by its probes.
 void AddMetrics(const MapPlan& plan, const MapBuilding& building,
-                const std::vector<maps::InterpolationMap>& structures, v1::DesignMap& map) {
+                const std::vector<StoredStructure>& structures, v1::DesignMap& map) {
   const auto metrics = static_cast<Eigen::Index>(plan.metrics.size());
   Eigen::ArrayXd least = Eigen::ArrayXd::Constant(metrics, std::numeric_limits<double>::infinity());
   Eigen::ArrayXd most = -least;
@@ -113,7 +113,7 @@ void AddMetrics(const MapPlan& plan, const MapBuilding& building,
       least = least.min(told.values.col(i).array());
       most = most.max(told.values.col(i).array());
     }
-    errors.Add(structure.Progress().errors, structures[s].content());
+    errors.Add(structure.Progress().errors, structures[s].map.content());
   }
   for (Eigen::Index i = 0; i < metrics; ++i) {
     const PlannedMetric& metric = plan.metrics[static_cast<std::size_t>(i)];
@@ -141,8 +141,7 @@ void AddFailures(const BuildProgress& progress, v1::DesignMap& map) {
 }  // namespace
 
 v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& plan,
-                      const MapBuilding& building,
-                      const std::vector<maps::InterpolationMap>& structures) {
+                      const MapBuilding& building, const std::vector<StoredStructure>& structures) {
   v1::DesignMap map;
   *map.mutable_specification() = specification;
   AddParameters(plan, map);

@@ -3,16 +3,15 @@
 
 #include <vector>
 
-#include "common/maps/interpolation_map.h"
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/building/map_building.h"
 #include "services/interpolator/building/map_plan.h"
+#include "services/interpolator/records/stored_map.h"
 
 namespace mortise::interpolator {
 
-// Without name, file, time and tags. `structures` are what is served of the building's.
+// Without name, file, shapes, time and tags. `structures` are what is served of the building's.
 v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& plan,
-                      const MapBuilding& building,
-                      const std::vector<maps::InterpolationMap>& structures);
+                      const MapBuilding& building, const std::vector<StoredStructure>& structures);
 
 }  // namespace mortise::interpolator

@@ -8,10 +8,13 @@
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
+#include "services/interpolator/records/map_files.h"
+#include "services/interpolator/service/follow_shape.h"
 #include "services/interpolator/service/loaded_maps.h"
 #include "services/interpolator/service/map_optimum.h"
 #include "services/interpolator/service/map_queries.h"
 #include "services/interpolator/service/map_records.h"
+#include "services/interpolator/service/map_shape.h"
 #include "services/interpolator/service/map_specification.h"
 
 namespace mortise::interpolator::methods {
@@ -41,6 +44,19 @@ absl::StatusOr<v1::EvaluateMapResponse> EvaluateMap(const Interpolator& interpol
   return Evaluate(*map, asked, [&call] { return call.cancelled(); });
 }
 
+absl::StatusOr<v1::MapShape> EvaluateMapShape(const Interpolator& interpolator, const rpc::Call&,
+                                              const v1::EvaluateMapShapeRequest& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const LoadedMap> map,
+                           interpolator.loaded->Get(asked.name()));
+  return EvaluateShape(*map, *interpolator.shapes, asked);
+}
+
+absl::StatusOr<std::unique_ptr<rpc::StreamReader<v1::FollowMapShapeRequest>>> FollowMapShape(
+    const Interpolator& interpolator, const rpc::Call&,
+    std::shared_ptr<rpc::StreamWriter<v1::MapShape>> writer) {
+  return OpenShapeStream(interpolator, std::move(writer));
+}
+
 absl::StatusOr<v1::OptimizeMapResponse> OptimizeMap(const Interpolator& interpolator,
                                                     const rpc::Call& call,
                                                     const v1::OptimizeMapRequest& asked) {
@@ -62,6 +78,7 @@ absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const rpc::Call& call,
   MORTISE_ASSIGN_OR_RETURN(const std::string id,
                            ParseResourceName(map.name(), kMaps.names, "name"));
   MORTISE_RETURN_IF_ERROR(transaction.Delete(kMaps.kind, id));
+  MORTISE_RETURN_IF_ERROR(DropMapFiles(transaction, id));
   MORTISE_RETURN_IF_ERROR(transaction.AppendEvent({.type = "map.deleted",
                                                    .subject = map.name(),
                                                    .payload = "{}",

@@ -9,7 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/strip.h"
 #include "common/base/errors.h"
+#include "common/base/string_views.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -123,6 +125,21 @@ class Answer {
   v1::EvaluateMapResponse& response_;
 };
 
+// Of which points the map has no values: then all metrics are without, if there are any.
+void AddUncovered(const LoadedMap& map, const MapPoints& points, const Eigen::MatrixXd& places,
+                  v1::EvaluateMapResponse& response) {
+  const int metrics = response.metrics_size();
+  double unused = 0;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const std::size_t structure = points.structures[static_cast<std::size_t>(i)];
+    const bool is_covered = metrics > 0
+                                ? !std::isnan(response.values(static_cast<int>(i) * metrics))
+                                : map.structures[structure].EvaluateOne(places.col(i).data(),
+                                                                        &unused, nullptr, nullptr);
+    if (!is_covered) response.add_uncovered(static_cast<int>(i));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<MapPoints> ReadPoints(const v1::DesignMap& map,
@@ -156,6 +173,19 @@ absl::StatusOr<MapPoints> ReadPoints(const v1::DesignMap& map,
     read.structures.push_back(structure->second);
   }
   return read;
+}
+
+absl::StatusOr<MapPoints> ReadPoint(const v1::DesignMap& map,
+                                    const google::protobuf::RepeatedField<double>& point) {
+  if (point.size() != map.parameters_size()) {
+    return InvalidField(
+        "point", absl::StrCat("must have ", map.parameters_size(),
+                              " numbers, one for each parameter of the map, not ", point.size()));
+  }
+  absl::StatusOr<MapPoints> read = ReadPoints(map, point, 1);
+  if (read.ok()) return read;
+  const absl::string_view message = read.status().message();
+  return InvalidField("point", StandardView(absl::StripPrefix(message, "points[0]: ")));
 }
 
 Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& points) {
@@ -218,11 +248,7 @@ absl::StatusOr<v1::EvaluateMapResponse> Evaluate(const LoadedMap& map,
       }
     }
   }
-  for (Eigen::Index i = 0; i < points.points.cols(); ++i) {
-    // All metrics of an uncovered point are without values.
-    const int first = static_cast<int>(i) * response.metrics_size();
-    if (std::isnan(response.values(first))) response.add_uncovered(static_cast<int>(i));
-  }
+  AddUncovered(map, points, places, response);
   return response;
 }
 

@@ -29,6 +29,10 @@ absl::StatusOr<MapPoints> ReadPoints(const v1::DesignMap& map,
                                      const google::protobuf::RepeatedField<double>& points,
                                      int most);
 
+// Returns the one point that a request has. INVALID_ARGUMENT naming "point", as above.
+absl::StatusOr<MapPoints> ReadPoint(const v1::DesignMap& map,
+                                    const google::protobuf::RepeatedField<double>& point);
+
 // Returns the K numbers of each point, as places in the unit box: K x n.
 Eigen::MatrixXd UnitPlaces(const v1::DesignMap& map, const Eigen::MatrixXd& points);
 

@@ -35,8 +35,9 @@ class Faults {
 };
 
 void CheckMetrics(const v1::MapSpecification& specification, Faults& faults) {
-  if (specification.metrics().empty() || specification.metrics_size() > kMaxMetrics) {
-    faults.AddField("metrics", absl::StrCat("1 to ", kMaxMetrics, " are needed, not ",
+  const int least = specification.has_shape() ? 0 : 1;
+  if (specification.metrics_size() < least || specification.metrics_size() > kMaxMetrics) {
+    faults.AddField("metrics", absl::StrCat(least, " to ", kMaxMetrics, " are needed, not ",
                                             specification.metrics_size()));
     return;
   }
@@ -52,6 +53,41 @@ void CheckMetrics(const v1::MapSpecification& specification, Faults& faults) {
     if (!(metric.noise_floor() >= 0)) {
       faults.AddField(field + ".noise_floor", "must be at least 0");
     }
+  }
+}
+
+// Names of fields and regions.
+void CheckName(const std::string& field, const std::string& name, std::set<std::string>& names,
+               Faults& faults) {
+  if (name.empty()) {
+    faults.AddField(field, "must not be empty");
+  } else if (!names.insert(name).second) {
+    faults.AddField(field, absl::StrCat("'", name, "' is given twice"));
+  }
+}
+
+void CheckShape(const v1::MapSpecification& specification, Faults& faults) {
+  if (!specification.has_shape()) return;
+  const v1::MapSpecification::ShapeChoice& shape = specification.shape();
+  if (shape.geometry() != v1::SURFACE && shape.geometry() != v1::TETRAHEDRA) {
+    faults.AddField("shape.geometry", "must be SURFACE or TETRAHEDRA");
+  }
+  faults.CheckRange("shape.noise_floor", shape.noise_floor(), 0.0, 1.0);
+  faults.CheckRange("shape.modes", shape.modes(), 0, kMaxModes);
+  if (specification.basis() == v1::MapSpecification::CUBIC) {
+    faults.AddField("basis", "must be LINEAR for shapes");
+  }
+  faults.CheckRange("shape.fields", shape.fields_size(), 0, kMaxFields);
+  faults.CheckRange("shape.regions", shape.regions_size(), 0, kMaxRegions);
+  if (shape.fields_size() > kMaxFields || shape.regions_size() > kMaxRegions) return;
+  std::set<std::string> fields, regions;
+  for (int i = 0; i < shape.fields_size(); ++i) {
+    const std::string field = absl::StrCat("shape.fields[", i, "]");
+    CheckName(field + ".name", shape.fields(i).name(), fields, faults);
+    faults.CheckRange(field + ".noise_floor", shape.fields(i).noise_floor(), 0.0, 1.0);
+  }
+  for (int i = 0; i < shape.regions_size(); ++i) {
+    CheckName(absl::StrCat("shape.regions[", i, "]"), shape.regions(i), regions, faults);
   }
 }
 
@@ -120,6 +156,7 @@ absl::Status CheckSpecification(const v1::MapSpecification& specification) {
   Faults faults;
   faults.Add(CheckSubject(specification.subject()));
   CheckMetrics(specification, faults);
+  CheckShape(specification, faults);
   CheckParameters(specification, faults);
   CheckNumbers(specification, faults);
   faults.Add(parametric::CheckMeshSettings(specification.mesh()));

@@ -20,6 +20,9 @@ inline constexpr int kMaxEvaluations = 1'000'000;
 inline constexpr int kDefaultEvaluations = 1000;
 inline constexpr int kMaxValues =
     20'000'000;  // evaluations times metrics: what a map's file may hold
+inline constexpr int kMaxFields = 100;
+inline constexpr int kMaxRegions = 1000;
+inline constexpr int kMaxModes = 100;
 inline constexpr int kMaxStructures = 100;
 inline constexpr int kDefaultStructures = 10;
 inline constexpr double kMaxSeconds = 1e7;

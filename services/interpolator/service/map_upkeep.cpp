@@ -12,6 +12,7 @@
 #include "common/host/unused_files.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
+#include "services/interpolator/records/map_files.h"
 #include "services/interpolator/service/interpolator.h"
 #include "services/interpolator/service/map_records.h"
 
@@ -169,11 +170,24 @@ absl::Status StaleUpkeep::CheckSubject(const std::string& subject) {
   });
 }
 
+absl::StatusOr<std::int64_t> BytesOfMaps(store::Store& store) {
+  std::int64_t bytes = 0;
+  MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) -> absl::Status {
+    bytes = 0;
+    return VisitMaps(transaction, [&](const std::string&, const v1::DesignMap& map) {
+      bytes += map.bytes();
+      return absl::OkStatus();
+    });
+  }));
+  return bytes;
+}
+
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       operations::Operations& operations,
                                                       const std::filesystem::path& folder) {
   rpc::NamedFiles files;
   files.by_store = [](store::ReadTransaction& read, std::set<std::string>* named) {
+    MORTISE_RETURN_IF_ERROR(AddMapFiles(read, named));
     return VisitMaps(read, [named](const std::string&, const v1::DesignMap& map) {
       named->insert(map.sha256());
       return absl::OkStatus();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -55,6 +56,9 @@ class StaleUpkeep {
   std::jthread simulator_follower_;
   std::jthread checker_;
 };
+
+// Returns how much disk all maps take, as they say: bytes.
+absl::StatusOr<std::int64_t> BytesOfMaps(store::Store& store);
 
 // Removes files of maps that were deleted, and of builds that did not come to an end, as
 // rpc::RemoveUnusedFiles does.

@@ -234,6 +234,39 @@ absl::Status AddMetrics(const v1::MapSpecification& specification, const v1::Des
   return absl::OkStatus();
 }
 
+// What shapes are to be interpolated: whether the subject has them.
+absl::Status CheckShape(const v1::MapSpecification& specification,
+                        const v1::DesignSpace& described) {
+  if (!specification.has_shape()) return absl::OkStatus();
+  const v1::MapSpecification::ShapeChoice& shape = specification.shape();
+  if (shape.geometry() > described.geometry()) {
+    return InvalidField(
+        "specification.shape.geometry",
+        absl::StrCat("the subject offers no ", described.geometry() == v1::SURFACE
+                                                   ? "tetrahedra; there is the SURFACE"
+                                                   : "shapes and fields"));
+  }
+  for (int k = 0; k < shape.fields_size(); ++k) {
+    const std::string field = absl::StrCat("specification.shape.fields[", k, "].name");
+    const std::string& name = shape.fields(k).name();
+    const auto offered = std::ranges::find_if(
+        described.fields(), [&](const auto& each) { return each.name() == name; });
+    if (offered == described.fields().end()) {
+      const std::string all = absl::StrJoin(
+          described.fields(), ", ",
+          [](std::string* text, const auto& each) { absl::StrAppend(text, each.name()); });
+      return InvalidField(field, absl::StrCat("the subject has no field '", name, "'; it has ",
+                                              all.empty() ? "none" : all));
+    }
+    if (offered->of_elements() && shape.geometry() != v1::TETRAHEDRA) {
+      return InvalidField(field, absl::StrCat("'", name,
+                                              "' is of tetrahedra: it needs the geometry "
+                                              "TETRAHEDRA"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Elements keep the coefficients of B-splines over them, 2^K or 4^K of each metric, and there are
 // fewer elements than evaluations: some 800 MB at the most. What is smooth is fitted anew around
 // each element when it is read, some 10 ms each.
@@ -241,8 +274,10 @@ absl::Status CheckSize(const v1::MapSpecification& specification, const MapPlan&
   constexpr double kMaxCoefficients = 1e8;
   constexpr double kMaxCubicEvaluations = 20'000;
   const bool is_cubic = specification.basis() == v1::MapSpecification::CUBIC;
-  const double each = std::pow(is_cubic ? 4.0 : 2.0, plan.NumberParameters().size()) *
-                      static_cast<double>(plan.metrics.size());
+  // The weights of samples, which shapes take, are as one metric more.
+  const double each =
+      std::pow(is_cubic ? 4.0 : 2.0, plan.NumberParameters().size()) *
+      static_cast<double>(plan.metrics.size() + (specification.has_shape() ? 1 : 0));
   const double most =
       std::min(std::floor(kMaxCoefficients / each), is_cubic ? kMaxCubicEvaluations : 1e9);
   if (plan.evaluations <= most) return absl::OkStatus();
@@ -250,6 +285,15 @@ absl::Status CheckSize(const v1::MapSpecification& specification, const MapPlan&
       "specification.evaluations",
       absl::StrCat("at most ", most, " are possible with ", plan.metrics.size(), " metrics and ",
                    plan.NumberParameters().size(), " numbers, ", is_cubic ? "CUBIC" : "LINEAR"));
+}
+
+// A metric to ask for where none is wanted, as evaluators want one named: the mass of a design
+// costs its shape alone.
+std::string LeastMetric(const v1::DesignSpace& described) {
+  const auto mass = std::ranges::find_if(
+      described.metrics(), [](const auto& metric) { return metric.name() == "mass"; });
+  if (mass != described.metrics().end()) return mass->name();
+  return described.metrics().empty() ? std::string() : described.metrics(0).name();
 }
 
 absl::Status SetBudget(const v1::MapSpecification& specification, MapPlan& plan) {
@@ -279,6 +323,7 @@ absl::StatusOr<MapPlan> MakePlan(const v1::MapSpecification& specification,
     plan.base[i] = described.parameters(i).default_value();
   }
   MORTISE_RETURN_IF_ERROR(AddMetrics(specification, described, plan));
+  MORTISE_RETURN_IF_ERROR(CheckShape(specification, described));
   MORTISE_RETURN_IF_ERROR(AddVariations(specification, described, plan));
   MORTISE_RETURN_IF_ERROR(FixParameters(specification, described, plan));
   if (plan.parameters.empty()) VaryAllNumbers(specification, described, plan);
@@ -297,11 +342,23 @@ v1::DescribeDesignSpaceRequest DescriptionOf(const v1::MapSpecification& specifi
   return request;
 }
 
-v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification) {
+v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification,
+                                    const v1::DesignSpace& described) {
   v1::EvaluateBatchRequest question;
   question.set_subject(specification.subject());
   question.set_revision(specification.revision());
   for (const auto& metric : specification.metrics()) question.add_metrics(metric.name());
+  if (question.metrics().empty()) question.add_metrics(LeastMetric(described));
+  if (specification.has_shape()) {
+    const v1::MapSpecification::ShapeChoice& shape = specification.shape();
+    v1::DesignFieldsRequest& wanted = *question.mutable_design_fields();
+    wanted.set_geometry(shape.geometry());
+    for (const auto& field : shape.fields()) wanted.add_fields(field.name());
+    *wanted.mutable_regions() = shape.regions();
+    wanted.set_modes(shape.modes());
+    // Finer than what is kept of them.
+    wanted.set_single_precision(true);
+  }
   if (specification.has_mesh()) *question.mutable_mesh() = specification.mesh();
   if (specification.has_airflow()) *question.mutable_airflow() = specification.airflow();
   *question.mutable_metric_definitions() = specification.metric_definitions();

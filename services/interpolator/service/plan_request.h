@@ -15,14 +15,17 @@ namespace mortise::interpolator {
 
 // Returns the plan for a specification that CheckSpecification passes. INVALID_ARGUMENT naming the
 // field: a name that the subject does not have, a range beyond its own, a value that is none,
-// nothing that varies or too much, more structures than are allowed.
+// nothing that varies or too much, more structures than are allowed, geometry or a field that the
+// subject does not offer.
 absl::StatusOr<MapPlan> MakePlan(const v1::MapSpecification& specification,
                                  const v1::DesignSpace& described);
 
 // Returns what to ask about the subject of a map.
 v1::DescribeDesignSpaceRequest DescriptionOf(const v1::MapSpecification& specification);
 
-// Returns what to ask about every design of a map: all but the points.
-v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification);
+// Returns what to ask about every design of a map: all but the points. The metrics of the map come
+// first; where it has none, one that nobody wants stands for them.
+v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification,
+                                    const v1::DesignSpace& described);
 
 }  // namespace mortise::interpolator

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "services/interpolator/service/map_queries.h"
 #include "services/interpolator/service/map_records.h"
 #include "services/interpolator/service/plan_request.h"
+#include "services/interpolator/service/shape_verification.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -60,13 +62,14 @@ bool IsUsable(const DesignAnswer& answer) {
 Differences Compare(const v1::EvaluateMapResponse& mapped,
                     const std::vector<DesignAnswer>& answers) {
   const int metrics = mapped.metrics_size();
+  const std::set<int> uncovered(mapped.uncovered().begin(), mapped.uncovered().end());
   Differences differences;
   differences.of_metrics.resize(static_cast<std::size_t>(metrics));
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const int first = static_cast<int>(i) * metrics;
     if (!IsUsable(answers[i])) {
       ++differences.failed;
-    } else if (std::isnan(mapped.values(first))) {
+    } else if (uncovered.contains(static_cast<int>(i))) {
       ++differences.uncovered;
     } else {
       for (int m = 0; m < metrics; ++m) {
@@ -102,6 +105,28 @@ v1::MapVerification ToMessage(const v1::EvaluateMapResponse& mapped, Differences
   return verification;
 }
 
+// Compares the shapes of designs that the map has, one after the other: each file is as large as a
+// mesh.
+absl::Status CompareShapes(const LoadedMap& map, LoadedShapes& shapes, const MapPoints& points,
+                           const std::vector<DesignAnswer>& answers, MapEvaluator& evaluator,
+                           operations::OperationContext& context,
+                           v1::MapVerification& verification) {
+  ShapeVerification comparison(map, shapes);
+  const Eigen::MatrixXd places = UnitPlaces(map.record, points.points);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (context.Cancelled()) return absl::CancelledError("given up");
+    if (!IsUsable(answers[i])) continue;
+    MORTISE_ASSIGN_OR_RETURN(const std::string file, evaluator.Fetch(answers[i].file));
+    MORTISE_RETURN_IF_ERROR(
+        comparison.Compare(points.structures[i], places.col(static_cast<Eigen::Index>(i)), file)
+            .status());
+    context.ReportProgress({.done = static_cast<std::int64_t>(i + 1),
+                            .total = static_cast<std::int64_t>(answers.size())});
+  }
+  comparison.Report(verification);
+  return absl::OkStatus();
+}
+
 // Writes it into the map, which may have new tags or be gone by now. Returns the map.
 absl::StatusOr<v1::DesignMap> Store(operations::OperationContext& context, const std::string& name,
                                     v1::MapVerification verification) {
@@ -123,7 +148,7 @@ absl::StatusOr<v1::DesignMap> Store(operations::OperationContext& context, const
 }  // namespace
 
 absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environment,
-                                               LoadedMaps& loaded,
+                                               LoadedMaps& loaded, LoadedShapes& shapes,
                                                operations::OperationContext& context) {
   v1::VerifyMapRequest request;
   if (!request.ParseFromString(context.request())) {
@@ -137,11 +162,11 @@ absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environm
   }
   MORTISE_ASSIGN_OR_RETURN(const MapPoints points,
                            ReadPoints(map->record, request.points(), kMaxVerified));
+  const v1::MapSpecification& specification = map->record.specification();
   MORTISE_ASSIGN_OR_RETURN(const auto evaluator,
-                           MapEvaluator::Create(environment, map->record.specification()));
+                           MapEvaluator::Create(environment, specification, context.stop_token()));
   const std::stop_callback interrupt(context.stop_token(), [&] { evaluator->Interrupt(); });
-  MORTISE_ASSIGN_OR_RETURN(const auto described, evaluator->Describe(context.stop_token()));
-  MORTISE_ASSIGN_OR_RETURN(const MapPlan plan, MakePlan(map->record.specification(), *described));
+  MORTISE_ASSIGN_OR_RETURN(const MapPlan plan, MakePlan(specification, evaluator->described()));
   std::vector<Eigen::VectorXd> designs;
   for (const auto& point : points.points.colwise()) designs.push_back(plan.DesignOf(point));
   context.ReportProgress({.done = 0, .total = static_cast<std::int64_t>(designs.size())});
@@ -150,10 +175,14 @@ absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environm
   *asked.mutable_points() = request.points();
   MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse mapped,
                            Evaluate(*map, asked, [&] { return context.Cancelled(); }));
-  MORTISE_ASSIGN_OR_RETURN(
-      const v1::DesignMap verified,
-      Store(context, request.name(),
-            ToMessage(mapped, Compare(mapped, answers), designs.size(), request.seed())));
+  v1::MapVerification verification =
+      ToMessage(mapped, Compare(mapped, answers), designs.size(), request.seed());
+  if (!map->shapes.empty()) {
+    MORTISE_RETURN_IF_ERROR(
+        CompareShapes(*map, shapes, points, answers, *evaluator, context, verification));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const v1::DesignMap verified,
+                           Store(context, request.name(), std::move(verification)));
   return rpc::PackResult(verified);
 }
 

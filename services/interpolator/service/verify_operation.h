@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "common/host/run_service.h"
 #include "common/operations/operations.h"
+#include "services/interpolator/records/loaded_shapes.h"
 #include "services/interpolator/service/loaded_maps.h"
 
 namespace mortise::interpolator {
@@ -17,7 +18,7 @@ inline constexpr int kDefaultVerified = 10;
 // and the event `map.updated`; returns the map. A run that begins again evaluates again, which the
 // simulator answers from what it keeps.
 absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environment,
-                                               LoadedMaps& loaded,
+                                               LoadedMaps& loaded, LoadedShapes& shapes,
                                                operations::OperationContext& context);
 
 }  // namespace mortise::interpolator

@@ -20,6 +20,7 @@
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 #include "mortise/v1/events.grpc.pb.h"
+#include "tests/integration/services/interpolator/bar_files.h"
 
 namespace mortise::interpolator {
 
@@ -55,6 +56,14 @@ class FunctionEvaluator : public v1::EvaluatorService::Service {
       metric.set_name(name);
       metric.set_unit(name == std::string("mass") ? "kg" : "Pa");
     }
+    response->set_geometry(geometry_);
+    for (const char* name : {"stress", "heat"}) {
+      auto& field = *response->add_fields();
+      field.set_name(name);
+      field.set_unit(name == std::string("stress") ? "Pa" : "K");
+      field.set_components(1);
+      field.set_of_elements(name == std::string("heat"));
+    }
     return grpc::Status::OK;
   }
 
@@ -76,6 +85,10 @@ class FunctionEvaluator : public v1::EvaluatorService::Service {
           metric.set_value(name == "mass" ? MassOf(x[0], x[1], x[2], x[3])
                                           : StressOf(x[0], x[1], x[2]));
           if (not_finite_) metric.set_value(std::numeric_limits<double>::quiet_NaN());
+        }
+        if (request->has_design_fields()) {
+          *result.mutable_design_fields() =
+              files_.Put({x.begin(), x.end()}, request->design_fields());
         }
       }
       Note({x.begin(), x.end()});
@@ -135,6 +148,10 @@ class FunctionEvaluator : public v1::EvaluatorService::Service {
   std::atomic<bool> lost_ = false;        // every call fails
   std::atomic<bool> not_finite_ = false;  // every metric is NaN
   std::atomic<int> revision_ = 3;
+  std::atomic<v1::GeometryKind> geometry_ = v1::TETRAHEDRA;
+
+  // Where the shapes of designs are; the server of the test serves it, too.
+  BarFiles& files() { return files_; }
 
  private:
   static v1::DesignSpace::DesignParameter& Add(v1::DesignSpace& space, const std::string& name,
@@ -170,6 +187,7 @@ class FunctionEvaluator : public v1::EvaluatorService::Service {
     return true;
   }
 
+  BarFiles files_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::vector<double>, int> counts_;

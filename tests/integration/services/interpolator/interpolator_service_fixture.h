@@ -23,9 +23,15 @@ class InterpolatorServiceTest : public ::testing::Test {
  protected:
   void SetUp() override {
     StartEvaluator();
-    interpolator_ = std::make_unique<testing::ServiceUnderTest>(
-        "mortise-interpolator", std::vector<std::string>{"--peer=simulator=" + port_.address(),
-                                                         "--peer=catalog=" + port_.address()});
+    StartInterpolator({});
+  }
+
+  // With these flags beside the usual ones, on a state of its own.
+  void StartInterpolator(std::vector<std::string> flags) {
+    flags.insert(flags.end(),
+                 {"--peer=simulator=" + port_.address(), "--peer=catalog=" + port_.address()});
+    interpolator_ =
+        std::make_unique<testing::ServiceUnderTest>("mortise-interpolator", std::move(flags));
     Connect();
   }
 
@@ -40,6 +46,7 @@ class InterpolatorServiceTest : public ::testing::Test {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(port_.address(), grpc::InsecureServerCredentials());
     builder.RegisterService(&evaluator_);
+    builder.RegisterService(&evaluator_.files());
     builder.RegisterService(&events_);
     server_ = builder.BuildAndStart();
     ASSERT_NE(server_, nullptr);

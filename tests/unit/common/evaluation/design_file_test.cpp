@@ -87,7 +87,7 @@ class DesignFileTest : public ::testing::Test {
   absl::StatusOr<std::string> Fetch(const std::string& sha256, const std::stop_token& stop = {}) {
     rpc::RetryOptions retry;
     retry.stop = stop;
-    return FetchDesignFile(channel_, {sha256, static_cast<std::int64_t>(bytes_.size())}, {}, retry);
+    return FetchDesignFile(channel_, sha256, {}, retry);
   }
 
   const std::string bytes_ = std::string(2500, 'x') + "end";

@@ -114,14 +114,70 @@ TEST(PlanRequestTest, AsksTheEvaluatorAsTheMapIsAskedFor) {
   specification.set_revision(4);
   specification.mutable_mesh()->set_element_size(0.1);
   specification.mutable_metric_definitions()->add_expressions()->set_name("mass");
-  const v1::EvaluateBatchRequest question = QuestionOf(specification);
+  const v1::EvaluateBatchRequest question = QuestionOf(specification, SpaceOf(2));
   EXPECT_EQ(question.subject(), "templates/shelf");
   EXPECT_EQ(question.revision(), 4);
   EXPECT_EQ(question.metrics(0), "mass");
   EXPECT_EQ(question.mesh().element_size(), 0.1);
   EXPECT_FALSE(question.has_airflow());
   EXPECT_EQ(question.metric_definitions().expressions_size(), 1);
+  EXPECT_FALSE(question.has_design_fields());
   EXPECT_EQ(DescriptionOf(specification).metric_definitions().expressions_size(), 1);
+}
+
+// A space whose designs have a shape, stresses at nodes and heat flux in elements.
+v1::DesignSpace ShapedSpace(v1::GeometryKind geometry) {
+  v1::DesignSpace space = SpaceOf(2);
+  space.set_geometry(geometry);
+  space.add_fields()->set_name("von_mises");
+  space.add_fields()->set_name("heat_flux");
+  space.mutable_fields(1)->set_of_elements(true);
+  return space;
+}
+
+TEST(PlanRequestTest, AsksForShapesAndFieldsBesideAMetricThatNobodyWants) {
+  v1::MapSpecification specification = SpecificationOf();
+  specification.clear_metrics();
+  v1::MapSpecification::ShapeChoice& shape = *specification.mutable_shape();
+  shape.set_geometry(v1::TETRAHEDRA);
+  shape.add_fields()->set_name("von_mises");
+  shape.add_regions("cap");
+  shape.set_modes(3);
+  v1::DesignSpace space = ShapedSpace(v1::TETRAHEDRA);
+  space.mutable_metrics(0)->set_name("stiffness");
+  const auto plan = MakePlan(specification, space);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_TRUE(plan->metrics.empty());
+  v1::EvaluateBatchRequest question = QuestionOf(specification, space);
+  ASSERT_EQ(question.metrics_size(), 1);
+  EXPECT_EQ(question.metrics(0), "stiffness");
+  EXPECT_EQ(question.design_fields().geometry(), v1::TETRAHEDRA);
+  EXPECT_EQ(question.design_fields().fields(0), "von_mises");
+  EXPECT_EQ(question.design_fields().regions(0), "cap");
+  EXPECT_EQ(question.design_fields().modes(), 3);
+  // Mass costs no analysis.
+  space.add_metrics()->set_name("mass");
+  EXPECT_EQ(QuestionOf(specification, space).metrics(0), "mass");
+}
+
+TEST(PlanRequestTest, RefusesShapesThatTheSubjectDoesNotOffer) {
+  v1::MapSpecification specification = SpecificationOf();
+  v1::MapSpecification::ShapeChoice& shape = *specification.mutable_shape();
+  shape.set_geometry(v1::TETRAHEDRA);
+  const auto field_of = [&](v1::GeometryKind offered) {
+    return DetailOf(MakePlan(specification, ShapedSpace(offered)).status()).field;
+  };
+  EXPECT_EQ(field_of(v1::GEOMETRY_KIND_UNSPECIFIED), "specification.shape.geometry");
+  EXPECT_EQ(field_of(v1::SURFACE), "specification.shape.geometry");
+  EXPECT_EQ(field_of(v1::TETRAHEDRA), "");
+  shape.add_fields()->set_name("heat_flux");
+  EXPECT_EQ(field_of(v1::TETRAHEDRA), "");
+  shape.set_geometry(v1::SURFACE);
+  EXPECT_EQ(field_of(v1::TETRAHEDRA), "specification.shape.fields[0].name");
+  shape.mutable_fields(0)->set_name("strain");
+  EXPECT_EQ(field_of(v1::TETRAHEDRA), "specification.shape.fields[0].name");
+  shape.mutable_fields(0)->set_name("von_mises");
+  EXPECT_EQ(field_of(v1::SURFACE), "");
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+// How far a map's shapes and fields are off designs that were evaluated for the sake of knowing it
+// (thesis, Table 6.2).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/records/loaded_shapes.h"
+#include "services/interpolator/service/loaded_maps.h"
+#include "services/interpolator/shapes/bring_into.h"
+#include "services/interpolator/shapes/shape_difference.h"
+
+namespace mortise::interpolator {
+
+class ShapeVerification {
+ public:
+  // Both outlive it; `map` has shapes.
+  ShapeVerification(const LoadedMap& map, LoadedShapes& shapes);
+  ~ShapeVerification();
+
+  // Compares the map at a place of the unit box (K) of a structure with the design that is truly
+  // there: `file`, its shape and fields. Of one that cannot be brought into the canonical mesh, as
+  // its topology is another one, the shape alone is compared. Returns whether the map has a shape
+  // there. DATA_LOSS where files of the map are damaged; fails as fields::ReadFields.
+  absl::StatusOr<bool> Compare(std::size_t structure, const Eigen::VectorXd& place,
+                               const std::string& file);
+
+  // Adds what was found: of the shape over the size of each design, of each field over its range in
+  // the map. Nothing of what could not be compared at any design.
+  void Report(v1::MapVerification& verification) const;
+
+ private:
+  // Of all designs together, as shares.
+  struct Figures {
+    Spread worst;
+    double mean = 0;  // sum
+    int designs = 0;
+
+    void Add(const Spread& spread, double whole);
+  };
+
+  const PreparedMesh& Prepared(std::size_t structure, int mesh,
+                               const std::shared_ptr<const CanonicalMesh>& canonical);
+
+  const LoadedMap& map_;
+  LoadedShapes& shapes_;
+  std::map<std::pair<std::size_t, int>, std::unique_ptr<PreparedMesh>> prepared_;
+  Figures shape_;
+  std::vector<Figures> fields_;  // in the order of DesignMap.shapes.fields
+};
+
+}  // namespace mortise::interpolator

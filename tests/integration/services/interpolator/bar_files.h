@@ -1,0 +1,83 @@
+// The simulator's files of designs in the test's process: bars whose shape follows x and y.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/base/digest.h"
+#include "common/fields/fields_file.h"
+#include "mortise/v1/evaluator.pb.h"
+#include "mortise/v1/simulator.grpc.pb.h"
+#include "tests/support/bar_design.h"
+
+namespace mortise::interpolator {
+
+// Thread safe.
+class BarFiles : public v1::SimulatorService::Service {
+ public:
+  // The file of the design, without the fields that are not asked for.
+  v1::DesignFields Put(const std::vector<double>& x, const v1::DesignFieldsRequest& wanted) {
+    fields::DesignFields design = testing::BarDesign(x[0], x[1], cells_);
+    std::erase_if(design.fields, [&](const fields::Field& field) {
+      return std::ranges::find(wanted.fields(), field.name) == wanted.fields().end();
+    });
+    if (wanted.geometry() != v1::TETRAHEDRA) {
+      design.tetrahedra.resize(4, 0);
+      design.tetrahedron_part.resize(0);
+    }
+    const std::string bytes = fields::WriteFields(design).value();
+    v1::DesignFields file;
+    file.set_sha256(Sha256Hex(bytes));
+    file.set_size(static_cast<std::int64_t>(bytes.size()));
+    const std::lock_guard lock(mutex_);
+    files_[file.sha256()] = bytes;
+    return file;
+  }
+
+  grpc::Status DownloadBlob(grpc::ServerContext*, const v1::DownloadBlobRequest* request,
+                            grpc::ServerWriter<v1::Chunk>* writer) override {
+    const std::lock_guard lock(mutex_);
+    ++downloads_;
+    const auto found = files_.find(request->sha256());
+    if (found == files_.end()) return {grpc::StatusCode::NOT_FOUND, "it is gone"};
+    v1::Chunk chunk;
+    chunk.set_total_size(static_cast<std::int64_t>(found->second.size()));
+    chunk.set_data(found->second);
+    writer->Write(chunk);
+    if (lose_each_) files_.erase(found);
+    return grpc::Status::OK;
+  }
+
+  // Forgets all files, as the simulator does after a day.
+  void Lose() {
+    const std::lock_guard lock(mutex_);
+    files_.clear();
+  }
+  // From now on each file is gone once it was fetched.
+  void LoseEach() {
+    const std::lock_guard lock(mutex_);
+    lose_each_ = true;
+  }
+  // How fine bars are from now on.
+  void SetCells(int cells) {
+    const std::lock_guard lock(mutex_);
+    cells_ = cells;
+  }
+  int downloads() {
+    const std::lock_guard lock(mutex_);
+    return downloads_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::string> files_;  // by digest
+  bool lose_each_ = false;
+  int cells_ = 3;
+  int downloads_ = 0;
+};
+
+}  // namespace mortise::interpolator
