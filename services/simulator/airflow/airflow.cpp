@@ -204,6 +204,8 @@ absl::StatusOr<AirflowSolution> SolveAirflow(const mesh::SurfaceMesh& body,
   std::tie(solution.minimum_pressure, solution.maximum_pressure) =
       PressureRange(solution.surface, solution.pressure);
   solution.surface.vertices = to_wind.transpose() * solution.surface.vertices;
+  solution.wall = {to_wind.transpose() * faces.centers, to_wind.transpose() * faces.areas,
+                   std::move(faces.values)};
   return solution;
 }
 

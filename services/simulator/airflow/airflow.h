@@ -8,6 +8,7 @@
 #include "common/design/airflow.h"
 #include "common/fem/linear/stage_progress.h"
 #include "common/mesh/surface_mesh.h"
+#include "services/simulator/airflow/wall_pressure.h"
 
 namespace mortise::simulator {
 
@@ -26,6 +27,7 @@ struct AirflowSolution {
   // cells, each with vertices of its own, so that pressures may differ on both sides of an edge.
   mesh::SurfaceMesh surface;
   Eigen::VectorXd pressure;  // Pa at the vertices of `surface`, above that of the oncoming air
+  WallFaces wall;            // the faces of cells that it comes from, and the pressure on each, Pa
   // The pressures that all but a thousandth of the surface keeps to, Pa; a single cell may be far
   // off.
   double minimum_pressure = 0, maximum_pressure = 0;

@@ -175,4 +175,34 @@ Eigen::VectorXd ValuesAtVertices(const WallFaces& faces, const mesh::SurfaceMesh
   return values;
 }
 
+Eigen::VectorXd ValuesAtNodes(const WallFaces& faces, const Eigen::Matrix3Xd& nodes,
+                              const Eigen::MatrixXi& triangles) {
+  // Triangles with middles are four flat ones.
+  std::vector<Eigen::Vector3i> parts = {{0, 1, 2}};
+  if (triangles.rows() == 6) parts = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
+  Eigen::VectorXi node(3 * triangles.cols() * std::ssize(parts));
+  Eigen::Index count = 0;
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    for (const Eigen::Vector3i& part : parts) {
+      for (const int k : part) node[count++] = triangles(k, t);
+    }
+  }
+  const mesh::SurfaceMesh apart{
+      nodes(Eigen::all, node),
+      Eigen::VectorXi::LinSpaced(count, 0, static_cast<int>(count) - 1).reshaped(3, count / 3)};
+  const Eigen::VectorXd values = ValuesAtVertices(faces, apart);
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(nodes.cols());
+  Eigen::VectorXd weights = sums;
+  for (Eigen::Index v = 0; v < count; v += 3) {
+    const Eigen::Vector3d a = apart.vertices.col(v);
+    const double area =
+        (apart.vertices.col(v + 1) - a).cross(apart.vertices.col(v + 2) - a).norm() / 2;
+    for (Eigen::Index k = v; k < v + 3; ++k) {
+      sums[node[k]] += area * values[k];
+      weights[node[k]] += area;
+    }
+  }
+  return (weights.array() > 0).select(sums.cwiseQuotient(weights), 0.0);
+}
+
 }  // namespace mortise::simulator

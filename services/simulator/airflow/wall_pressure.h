@@ -30,4 +30,10 @@ mesh::SurfaceMesh DividedTriangles(const mesh::SurfaceMesh& surface, double leng
 // both sides of a thin plate keep their own. O(log n) each for n faces.
 Eigen::VectorXd ValuesAtVertices(const WallFaces& faces, const mesh::SurfaceMesh& surface);
 
+// Returns a value for each column of `nodes`, 3 × N, m: what ValuesAtVertices has there on each of
+// the triangles that meet in it, weighted by their areas; 0 for nodes of none. `triangles` are 3 ×
+// T nodes, or 6 × T: corners, then the middles of 01, 12, 20; they look out of the body.
+Eigen::VectorXd ValuesAtNodes(const WallFaces& faces, const Eigen::Matrix3Xd& nodes,
+                              const Eigen::MatrixXi& triangles);
+
 }  // namespace mortise::simulator

@@ -195,7 +195,7 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   const MetricDemands demands = DemandsOf(metrics, options.custom_metrics);
   AnalysisPlan plan;
   plan.modes = demands.modes ? std::max(1, options.modes) : options.modes;
-  plan.airflow = demands.airflow || options.with_airflow;
+  plan.airflow = demands.airflow || options.with_airflow || options.besides.airflow;
   plan.mesh = options.with_mesh;
   MORTISE_RETURN_IF_ERROR(CheckModel(model, fields || plan.modes > 0 || plan.airflow ||
                                                 demands.surface || options.besides.surface ||

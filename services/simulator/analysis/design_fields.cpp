@@ -146,6 +146,15 @@ void AddModes(const FieldDescription& field, const ModalSolution& vibration, int
   }
 }
 
+// On nodes of the outside, where `design` has triangles that nothing is in front of.
+Eigen::MatrixXd PressureOn(const AirflowSolution& airflow, const fields::DesignFields& design) {
+  std::vector<Eigen::Index> outer;
+  for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
+    if (design.triangle_front[t] < 0) outer.push_back(t);
+  }
+  return ValuesAtNodes(airflow.wall, design.nodes, design.triangles(Eigen::all, outer)).transpose();
+}
+
 void AddFields(const DesignModel& model, const DesignAnalysis& analysis, const FieldsDemand& demand,
                fields::DesignFields& design) {
   for (const std::string& name : demand.fields) {
@@ -167,6 +176,9 @@ void AddFields(const DesignModel& model, const DesignAnalysis& analysis, const F
         break;
       case FieldSource::kModes:
         AddModes(*field, *analysis.vibration, demand.modes, design);
+        break;
+      case FieldSource::kAirflow:
+        AddField(*field, "", PressureOn(*analysis.airflow, design), design);
         break;
     }
   }
@@ -252,7 +264,9 @@ const std::vector<FieldDescription>& OfferedFields() {
       {"temperature", "K", 1, false, FieldSource::kHeat, "Steady temperature."},
       {"heat_flux", "W/m^2", 3, true, FieldSource::kHeat, "Heat flux, mean over an element."},
       {"mode_shape", "1", 3, false, FieldSource::kModes,
-       "Displacement of a natural mode whose modal mass is 1 kg; its sign is arbitrary."}};
+       "Displacement of a natural mode whose modal mass is 1 kg; its sign is arbitrary."},
+      {"air_pressure", "Pa", 1, false, FieldSource::kAirflow,
+       "Pressure of the air on the outside, above that of the oncoming air; 0 within."}};
   return fields;
 }
 
@@ -264,6 +278,10 @@ void DemandFields(const FieldsDemand& demand, DesignAnalysisOptions& options) {
     if (field == nullptr) continue;
     options.besides.loads = options.besides.loads || field->source == FieldSource::kLoads;
     options.besides.heat = options.besides.heat || field->source == FieldSource::kHeat;
+    if (field->source == FieldSource::kAirflow) {
+      options.besides.airflow = true;
+      options.with_mesh = true;  // the surface as it was joined may have no nodes within a face
+    }
     if (field->source != FieldSource::kModes) continue;
     options.besides.modes = true;
     options.modes = std::max(options.modes, demand.modes);

@@ -12,7 +12,7 @@
 namespace mortise::simulator {
 
 // What must be solved to know a field.
-enum class FieldSource { kLoads, kHeat, kModes };
+enum class FieldSource { kLoads, kHeat, kModes, kAirflow };
 
 // A field that designs can be asked for.
 struct FieldDescription {
@@ -25,7 +25,7 @@ struct FieldDescription {
 };
 
 // Returns all of them: displacement, von_mises, stress, max_principal, reaction, temperature,
-// heat_flux, mode_shape.
+// heat_flux, mode_shape, air_pressure.
 const std::vector<FieldDescription>& OfferedFields();
 
 // What is wanted of a design.
@@ -36,8 +36,8 @@ struct FieldsDemand {
   int modes = 1;                          // how many natural modes that deform, for mode_shape
 };
 
-// Has `options` ask for all that the demand needs besides the metrics: the mesh, loads, heat and
-// modes.
+// Has `options` ask for all that the demand needs besides the metrics: the mesh, loads, heat, modes
+// and the air around it.
 void DemandFields(const FieldsDemand& demand, DesignAnalysisOptions& options);
 
 // Returns the shape and fields of a design that was analysed as DemandFields says: of the mesh that

@@ -37,7 +37,7 @@ MetricDemands DemandsOf(const v1::Task& task, const MetricDemands& of_metrics,
   const bool thermal_stress = demands.loads && has_heat && design.reference_temperature.has_value();
   demands.heat = demands.heat || thermal_stress || (task.fields() && has_heat);
   demands.modes = demands.modes || options.modes > 0;
-  demands.airflow = demands.airflow || (task.fields() && task.has_airflow());
+  demands.airflow = demands.airflow || options.besides.airflow || options.with_airflow;
   demands.surface = demands.surface || task.fields();
   return demands;
 }

@@ -15,6 +15,7 @@
 namespace mortise::simulator {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
@@ -66,11 +67,16 @@ TEST_F(AirflowDesignTest, AirIsAskedForLikeAnyMetric) {
   EXPECT_GT(front[0].metrics(0).value(), 0);
   EXPECT_FALSE(front[0].cached());
   EXPECT_TRUE(Evaluate("templates/table", metrics, {0.5}, InWind(-10, 0))[0].cached());
-  const auto side = Evaluate("templates/table", metrics, {0.5}, InWind(0, 10));
+  v1::EvaluateBatchRequest with_field = InWind(0, 10);
+  with_field.mutable_design_fields()->set_geometry(v1::SURFACE);
+  with_field.mutable_design_fields()->add_fields("air_pressure");
+  const auto side = Evaluate("templates/table", metrics, {0.5}, with_field);
   ASSERT_FALSE(side[0].has_error()) << side[0].error().message();
   EXPECT_FALSE(side[0].cached());
   EXPECT_NEAR(side[0].metrics(1).value(), side[0].metrics(0).value(), 1e-9);
   EXPECT_EQ(side[0].metrics(2).value(), front[0].metrics(2).value());
+  EXPECT_THAT(side[0].design_fields().fields(), ElementsAre("air_pressure"));
+  EXPECT_GT(side[0].design_fields().nodes(), 500) << "of a mesh, also within faces";
 }
 
 TEST_F(AirflowDesignTest, RefusesAirThatCannotBeComputed) {

@@ -80,9 +80,8 @@ TEST(WallPressure, DividesTrianglesUntilTheyAreShort) {
   EXPECT_EQ(DividedTriangles(brick, 10).triangles.cols(), 12);
 }
 
-TEST(WallPressure, SidesOfAThinPlateKeepTheirOwn) {
-  const mesh::SurfaceMesh plate = DividedTriangles(Brick({1, 1, 0.001}), 0.1);
-  // Faces of cells above with 2 and below with -3, on a grid.
+// Faces of cells on a plate of 1 m x 1 m x 1 mm: above with 2 and below with -3, on a grid.
+WallFaces FacesOfPlate() {
   constexpr int kAlong = 20;
   WallFaces faces;
   faces.centers.resize(3, 2 * kAlong * kAlong);
@@ -98,6 +97,12 @@ TEST(WallPressure, SidesOfAThinPlateKeepTheirOwn) {
       }
     }
   }
+  return faces;
+}
+
+TEST(WallPressure, SidesOfAThinPlateKeepTheirOwn) {
+  const mesh::SurfaceMesh plate = DividedTriangles(Brick({1, 1, 0.001}), 0.1);
+  const WallFaces faces = FacesOfPlate();
   const Eigen::VectorXd values = ValuesAtVertices(faces, plate);
   for (const auto& triangle : plate.triangles.colwise()) {
     const Eigen::Vector3d a = plate.vertices.col(triangle[0]), b = plate.vertices.col(triangle[1]),
@@ -108,6 +113,29 @@ TEST(WallPressure, SidesOfAThinPlateKeepTheirOwn) {
       EXPECT_LE(values[v], upright < -0.9 ? -3 + 1e-12 : 2 + 1e-12);
     }
   }
+}
+
+// Nodes above and below a plate have their side's value, whether they are corners or middles; at
+// its edges the sides' areas tell how much they count, and nodes of no triangle have none.
+TEST(WallPressure, NodesHaveTheMeanOfTheirTriangles) {
+  const WallFaces faces = FacesOfPlate();
+  Eigen::Matrix3Xd nodes(3, 11);
+  nodes << -0.4, 0.4, 0, 0, 0.2, -0.2, -0.4, 0.4, 0, 0.3, 0,  //
+      -0.4, -0.4, 0.4, -0.4, 0, 0, -0.4, -0.4, 0.4, 0.3, 0,   //
+      1, 1, 1, 1, 1, 1, -1, -1, -1, 1, 0;
+  nodes.row(2) *= 0.0005;
+  Eigen::MatrixXi curved(6, 1), flat(3, 2);
+  curved << 0, 1, 2, 3, 4, 5;
+  flat << 6, 0, 8, 1, 7, 2;
+  const Eigen::VectorXd of_curved = ValuesAtNodes(faces, nodes, curved);
+  EXPECT_LT((of_curved.head(6).array() - 2).abs().maxCoeff(), 1e-12);
+  EXPECT_EQ(of_curved.tail(5), Eigen::VectorXd::Zero(5));
+  const Eigen::VectorXd of_flat = ValuesAtNodes(faces, nodes, flat);
+  EXPECT_NEAR(of_flat[0], 2, 1e-12);
+  EXPECT_NEAR(of_flat[6], -3, 1e-12);
+  // A node that both sides share, as that of a plate without thickness.
+  flat(0, 0) = 0;
+  EXPECT_NEAR(ValuesAtNodes(faces, nodes, flat)[0], -0.5, 1e-3);
 }
 
 }  // namespace

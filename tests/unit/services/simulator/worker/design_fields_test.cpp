@@ -212,6 +212,42 @@ TEST(DesignFieldsTest, ModesAreThoseThatDeform) {
             bar.analysis.vibration->modes[2].shape);
 }
 
+// What the air presses with on the nodes comes to the force of the flow, but for its friction.
+TEST(DesignFieldsTest, ThePressureOfTheAirIsOnTheOutside) {
+  const DesignModel model = ModelOf(PartsBar(Condition("held", "FIXED", "x_min")));
+  const FieldsDemand demand{.tetrahedra = true, .fields = {"air_pressure"}};
+  DesignAnalysisOptions options;
+  options.mesh.element_size = 0.01;
+  options.airflow.wind = {0, 10, 0};
+  options.airflow.cells = 8000;
+  DemandFields(demand, options);
+  const auto analysis = AnalyzeDesign(model, {"mass"}, false, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  const auto design = CollectFields(model, *analysis, demand);
+  ASSERT_TRUE(design.ok()) << design.status();
+  const Eigen::MatrixXd& pressure = FieldOf(*design, "air_pressure").values;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::VectorXi is_outside = Eigen::VectorXi::Zero(design->nodes.cols());
+  for (const auto& triangle : design->triangles.colwise()) {
+    const Eigen::Vector3d a = design->nodes.col(triangle[0]);
+    const Eigen::Vector3d area =
+        (design->nodes.col(triangle[1]) - a).cross(design->nodes.col(triangle[2]) - a) / 2;
+    force -=
+        area * (pressure(0, triangle[0]) + pressure(0, triangle[1]) + pressure(0, triangle[2])) / 3;
+    for (const int node : triangle) is_outside[node] = 1;
+  }
+  const Eigen::Vector3d pushed = analysis->airflow->force - analysis->airflow->friction;
+  EXPECT_GT(pushed.y(), 0);
+  EXPECT_LT((force - pushed).norm(), 0.1 * pushed.norm()) << force << " for " << pushed;
+  const double stagnation = 0.5 * options.airflow.air.Density() * 100;
+  EXPECT_NEAR(pressure.maxCoeff(), stagnation, 0.3 * stagnation);
+  for (Eigen::Index v = 0; v < pressure.cols(); ++v) {
+    if (is_outside[v] == 0) {
+      EXPECT_EQ(pressure(0, v), 0);
+    }
+  }
+}
+
 class ShippedShapesTest : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedShapesTest, HaveARegionForEveryCondition) {
