@@ -1,11 +1,29 @@
 #include "services/interpolator/mapping/mesh_mapper.h"
 
+#include <optional>
 #include <utility>
 
 #include "common/base/errors.h"
 #include "services/interpolator/mapping/control_points.h"
+#include "services/interpolator/mapping/nearest_place.h"
 
 namespace mortise::interpolator {
+namespace {
+
+// Finds out where vertices are that have slid on faces of the source.
+void FollowSlides(const mesh::SurfaceMesh& source, const Eigen::Array3Xi& slides, MeshMap& map) {
+  std::optional<NearestPlaces> nearest;
+  for (std::size_t v = 0; v < map.outer.node.size(); ++v) {
+    const auto column = static_cast<Eigen::Index>(v);
+    if ((slides.col(column) == 0).all()) continue;
+    if (!nearest) nearest.emplace(source);
+    map.surface.positions.col(column) = map.nodes.col(map.outer.node[v]);
+    map.surface.places[v] = nearest->Find(map.surface.positions.col(column));
+  }
+}
+
+}  // namespace
+
 MeshMapper::MeshMapper(ModelMesh target, LayoutOptions layout)
     : target_(std::move(target)), layout_(layout) {}
 
@@ -35,11 +53,13 @@ absl::StatusOr<MeshMap> MeshMapper::Map(const ModelMesh& source) const {
   const std::size_t count = outer_.node.size();
   map.surface.places = PlacesBeforeMarking(of_source.marked.surface, *marked, map.surface, count);
   map.surface.positions.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(count));
-  map.places = PlacesInNodes(of_source, map.surface.places);
   FollowCurvedSides(source.mesh.nodes, of_source, map.surface);
   JoinSheets(outer_, map.surface.positions);
-  MORTISE_ASSIGN_OR_RETURN(map.volume, volume_->Map(map.surface.positions));
+  const Eigen::Array3Xi slides = SlidesOnFlatFaces(of_source, outer_, marked_, map.surface.places);
+  MORTISE_ASSIGN_OR_RETURN(map.volume, volume_->Map(map.surface.positions, slides));
   map.nodes = map.volume.nodes;
+  FollowSlides(of_source.marked.surface, slides, map);
+  map.places = PlacesInNodes(of_source, map.surface.places);
   return map;
 }
 

@@ -8,6 +8,10 @@
 //
 //   MORTISE_ASSIGN_OR_RETURN(const auto mapper, MeshMapper::Create({mesh, variables}));
 //   MORTISE_ASSIGN_OR_RETURN(const MeshMap map, mapper->Map({sample_mesh, sample_variables}));
+//
+// On flat faces that lie in a plane of two axes in both designs only control points and paths have
+// their places; the nodes between slide on the face as the elastic body takes them. So the two
+// sides of a board, whose triangles know nothing of each other, are not sheared against each other.
 #pragma once
 
 #include <memory>

@@ -6,6 +6,22 @@
 #include "services/interpolator/mapping/sheet_separation.h"
 
 namespace mortise::interpolator {
+namespace {
+
+constexpr double kFlat = 1e-7;  // rad, that triangles of a flat face may be inclined
+
+// Which of the six directions along axes the normal of a triangle has; −1 for none.
+int DirectionOf(const mesh::SurfaceMesh& surface, int triangle) {
+  const Eigen::Matrix3d at = surface.vertices(Eigen::all, surface.triangles.col(triangle));
+  const Eigen::Vector3d normal = (at.col(1) - at.col(0)).cross(at.col(2) - at.col(0)).normalized();
+  int axis = 0;
+  const double along = normal.cwiseAbs().maxCoeff(&axis);
+  const double off = (normal - normal[axis] * Eigen::Vector3d::Unit(axis)).norm();
+  if (!(along > 0.5) || off > kFlat) return -1;
+  return 2 * axis + (normal[axis] > 0 ? 1 : 0);
+}
+
+}  // namespace
 
 OuterSurface MakeOuterSurface(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& triangles,
                               const Eigen::Matrix3Xi& middles) {
@@ -61,6 +77,38 @@ void FollowCurvedSides(const Eigen::Matrix3Xd& nodes, const OuterSurface& source
     }
     map.positions.col(static_cast<Eigen::Index>(v)) = position;
   }
+}
+
+Eigen::Array3Xi SlidesOnFlatFaces(const OuterSurface& source, const OuterSurface& target,
+                                  const MarkedSurface& marked,
+                                  const std::vector<TrianglePlace>& places) {
+  constexpr int kUnknown = -2;
+  const mesh::SurfaceMesh& surface = target.marked.surface;
+  std::vector<int> direction(places.size(),
+                             kUnknown);  // of all triangles around; −1 if they differ
+  for (int t = 0; t < static_cast<int>(surface.triangles.cols()); ++t) {
+    const int of_triangle = DirectionOf(surface, t);
+    for (const int vertex : surface.triangles.col(t)) {
+      int& of_vertex = direction[static_cast<std::size_t>(vertex)];
+      of_vertex = of_vertex == kUnknown || of_vertex == of_triangle ? of_triangle : -1;
+    }
+  }
+  const auto keep = [&](int vertex) {
+    if (vertex < static_cast<int>(direction.size()))
+      direction[static_cast<std::size_t>(vertex)] = -1;
+  };
+  for (const ControlPoint& point : marked.points) keep(point.vertex);
+  for (const ControlPath& path : marked.paths) {
+    for (const int vertex : path.vertices) keep(vertex);
+  }
+  Eigen::Array3Xi slides = Eigen::Array3Xi::Zero(3, static_cast<Eigen::Index>(places.size()));
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    if (direction[v] < 0 || places[v].triangle < 0) continue;
+    if (DirectionOf(source.marked.surface, places[v].triangle) != direction[v]) continue;
+    slides.col(static_cast<Eigen::Index>(v)) = 1;
+    slides(direction[v] / 2, static_cast<Eigen::Index>(v)) = 0;
+  }
+  return slides;
 }
 
 void JoinSheets(const OuterSurface& target, Eigen::Matrix3Xd& positions) {

@@ -42,6 +42,13 @@ std::vector<TrianglePlace> PlacesBeforeMarking(const mesh::SurfaceMesh& given,
 // elements have them. `nodes`: of the source.
 void FollowCurvedSides(const Eigen::Matrix3Xd& nodes, const OuterSurface& source, SurfaceMap& map);
 
+// Returns the directions in which vertices of the target may slide, 3 × vertices: along a face that
+// is flat around them, and at their places in the source, and lies in a plane of two axes. Control
+// points and paths of `marked`, the target's surface with them, keep their places.
+Eigen::Array3Xi SlidesOnFlatFaces(const OuterSurface& source, const OuterSurface& target,
+                                  const MarkedSurface& marked,
+                                  const std::vector<TrianglePlace>& places);
+
 // Lets vertices of one node of the target be at one place, the mean of their own.
 void JoinSheets(const OuterSurface& target, Eigen::Matrix3Xd& positions);
 

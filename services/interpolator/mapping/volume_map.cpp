@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -24,8 +24,9 @@ namespace {
 constexpr double kFlat = 1e-9;      // of the cube of an element's longest edge
 constexpr int kStiffestClass = 20;  // elements are up to 2²⁰ times as stiff as the largest
 constexpr double kTolerance = 1e-8;
-constexpr double kUnsound = 1e-3;  // of the volume, that may be turned over to begin with
-constexpr int kLoads = 30;         // that a solver made ready is made for
+constexpr double kUnsound = 1e-3;       // of the volume, that may be turned over to begin with
+constexpr std::size_t kHeldBodies = 3;  // that solvers are kept of
+constexpr int kLoads = 30;              // that a solver made ready is made for
 
 double VolumeOf(const Eigen::Matrix3Xd& nodes, const Eigen::Vector4i& element) {
   const Eigen::Vector3d a = nodes.col(element[0]);
@@ -159,39 +160,74 @@ mesh::TetrahedralMesh Without(const std::vector<int>& elements, const mesh::Tetr
 
 }  // namespace
 
+// The body with some components of its corners prescribed.
+struct HeldBody {
+  Eigen::Array3Xi is_fixed;   // 3 × corners
+  std::vector<bool> is_free;  // corners: in all directions
+  std::optional<ElasticBody> body, stiffened;
+};
+
 struct VolumeMapper::State {
   const mesh::TetrahedralMesh* mesh = nullptr;
   mesh::CornerMesh corners;
   std::vector<int> outer;
-  Eigen::Array3Xi is_fixed;   // 3 × corners
-  std::vector<bool> is_free;  // corners
-  std::vector<int> unsound;   // elements that are turned over or flat to begin with
-  // Those elements that are sound and have a free corner: others have no say in where these go.
-  mesh::TetrahedralMesh body_mesh;
+  std::vector<int> unsound;         // elements that are turned over or flat to begin with
+  mesh::TetrahedralMesh body_mesh;  // the other ones
   simulator::SolverOptions options;
-  std::mutex mutex;  // of the bodies
-  std::optional<ElasticBody> body, stiffened;
+  std::mutex mutex;                            // of what follows
+  std::deque<std::shared_ptr<HeldBody>> held;  // the one used last comes first
 
-  // Returns where corners are when the surface is displaced.
-  absl::StatusOr<Eigen::Matrix3Xd> Displace(const Eigen::Matrix3Xd& prescribed, bool is_stiffened) {
-    const std::scoped_lock lock(mutex);
-    std::optional<ElasticBody>& of = is_stiffened ? stiffened : body;
-    if (!of) {
-      MORTISE_ASSIGN_OR_RETURN(of, ElasticBody::Create(body_mesh, is_fixed, is_stiffened, options));
+  int CornerOf(std::size_t i) const {
+    return corners.corner_of[static_cast<std::size_t>(outer[i])];
+  }
+
+  // Returns the body that is held so, a new one if there is none. The mutex is held.
+  std::shared_ptr<HeldBody> Held(const Eigen::Array3Xi& slides) {
+    auto wanted = std::make_shared<HeldBody>();
+    const Eigen::Index count = corners.mesh.nodes.cols();
+    wanted->is_fixed = Eigen::Array3Xi::Zero(3, count);
+    wanted->is_free.assign(static_cast<std::size_t>(count), true);
+    for (std::size_t i = 0; i < outer.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      wanted->is_fixed.col(CornerOf(i)) = 1;
+      if (slides.cols() > 0)
+        wanted->is_fixed.col(CornerOf(i)) = (slides.col(column) == 0).cast<int>();
+      wanted->is_free[static_cast<std::size_t>(CornerOf(i))] = false;
     }
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd moved, of->Displace(prescribed));
+    const auto known = std::find_if(held.begin(), held.end(), [&](const auto& of) {
+      return (of->is_fixed == wanted->is_fixed).all();
+    });
+    if (known != held.end()) {
+      wanted = *known;
+      held.erase(known);
+    }
+    held.push_front(wanted);
+    if (held.size() > kHeldBodies) held.pop_back();
+    return wanted;
+  }
+
+  // Returns where corners are when the surface is displaced. The mutex is held.
+  absl::StatusOr<Eigen::Matrix3Xd> Displace(HeldBody& of, const Eigen::Matrix3Xd& prescribed,
+                                            bool is_stiffened) const {
+    std::optional<ElasticBody>& body = is_stiffened ? of.stiffened : of.body;
+    if (!body) {
+      MORTISE_ASSIGN_OR_RETURN(body,
+                               ElasticBody::Create(body_mesh, of.is_fixed, is_stiffened, options));
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd moved, body->Displace(prescribed));
     return (corners.mesh.nodes + moved).eval();
   }
 
   // Returns where they are after as many steps, each on the shape before. Nothing, where elements
   // are turned over after a step that is not the last.
   absl::StatusOr<std::optional<Eigen::Matrix3Xd>> DisplaceInSteps(
-      const Eigen::Matrix3Xd& prescribed, int steps) const {
+      const HeldBody& of, const Eigen::Matrix3Xd& prescribed, int steps) const {
     simulator::SolverOptions once = options;
     once.loads = 1;
     mesh::TetrahedralMesh moved = body_mesh;
     for (int step = 1; step <= steps; ++step) {
-      MORTISE_ASSIGN_OR_RETURN(ElasticBody stage, ElasticBody::Create(moved, is_fixed, true, once));
+      MORTISE_ASSIGN_OR_RETURN(ElasticBody stage,
+                               ElasticBody::Create(moved, of.is_fixed, true, once));
       MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement,
                                stage.Displace(prescribed / steps));
       moved.nodes += displacement;
@@ -210,12 +246,65 @@ struct VolumeMapper::State {
   }
 
   // Elements between nodes of the surface are as the surface wants them.
-  bool IsMovable(int element) const {
+  bool IsMovable(const HeldBody& of, int element) const {
     for (int k = 0; k < 4; ++k) {
-      if (is_free[static_cast<std::size_t>(corners.mesh.tetrahedra(k, element))]) return true;
+      if ((of.is_fixed.col(corners.mesh.tetrahedra(k, element)) == 0).any()) return true;
     }
     return false;
   }
+};
+
+// Searches for the shape with the fewest elements turned over.
+class VolumeMapping {
+ public:
+  VolumeMapping(const VolumeMapper::State& state, HeldBody& body,
+                const Eigen::Matrix3Xd& prescribed)
+      : state_(state), body_(body), prescribed_(prescribed) {
+    map_.unsound = static_cast<int>(state.unsound.size());
+  }
+
+  // Returns the map without nodes, and `corners` where they are.
+  absl::StatusOr<VolumeMap> Run(Eigen::Matrix3Xd& corners) {
+    MORTISE_ASSIGN_OR_RETURN(corners, state_.Displace(body_, prescribed_, false));
+    map_.solves = 1;
+    map_.inverted = state_.Inverted(corners);
+    map_.inverted_at_first = static_cast<int>(map_.inverted.size());
+    if (!IsDone()) {
+      MORTISE_ASSIGN_OR_RETURN(const auto nodes, state_.Displace(body_, prescribed_, true));
+      ++map_.solves;
+      Take(nodes, corners);
+    }
+    for (int steps = 4; steps <= 16 && !IsDone(); steps *= 4) {
+      MORTISE_ASSIGN_OR_RETURN(const auto nodes, state_.DisplaceInSteps(body_, prescribed_, steps));
+      map_.solves += steps;
+      if (nodes) Take(*nodes, corners);
+    }
+    if (!IsDone()) {
+      const std::size_t before = map_.inverted.size();
+      Untangle(state_.corners.mesh, body_.is_free, corners);
+      map_.inverted = state_.Inverted(corners);
+      map_.untangled = static_cast<int>(before) - static_cast<int>(map_.inverted.size());
+    }
+    return std::move(map_);
+  }
+
+ private:
+  bool IsDone() const {
+    return std::none_of(map_.inverted.begin(), map_.inverted.end(),
+                        [this](int element) { return state_.IsMovable(body_, element); });
+  }
+
+  void Take(const Eigen::Matrix3Xd& nodes, Eigen::Matrix3Xd& best) {
+    std::vector<int> inverted = state_.Inverted(nodes);
+    if (inverted.size() >= map_.inverted.size()) return;
+    best = nodes;
+    map_.inverted = std::move(inverted);
+  }
+
+  const VolumeMapper::State& state_;
+  HeldBody& body_;
+  const Eigen::Matrix3Xd& prescribed_;
+  VolumeMap map_;
 };
 
 VolumeMapper::VolumeMapper(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -239,81 +328,39 @@ absl::StatusOr<std::unique_ptr<const VolumeMapper>> VolumeMapper::Create(
   state->mesh = &mesh;
   state->corners = mesh::CornersOf(mesh);
   MORTISE_RETURN_IF_ERROR(CheckOuter(mesh, state->corners, outer));
-  const Eigen::Index count = state->corners.mesh.nodes.cols();
-  state->is_fixed = Eigen::Array3Xi::Zero(3, count);
-  state->is_free.assign(static_cast<std::size_t>(count), true);
-  for (const int node : outer) {
-    const int corner = state->corners.corner_of[static_cast<std::size_t>(node)];
-    state->is_fixed.col(corner) = 1;
-    state->is_free[static_cast<std::size_t>(corner)] = false;
-  }
-  state->outer = std::move(outer);
   MORTISE_ASSIGN_OR_RETURN(state->unsound, UnsoundElements(state->corners.mesh));
-  std::vector<int> still = state->unsound;
-  for (int e = 0; e < static_cast<int>(mesh.tetrahedra.cols()); ++e) {
-    if (!state->IsMovable(e)) still.push_back(e);
-  }
-  std::sort(still.begin(), still.end());
-  still.erase(std::unique(still.begin(), still.end()), still.end());
-  state->body_mesh = Without(still, state->corners.mesh);
+  state->body_mesh = Without(state->unsound, state->corners.mesh);
+  state->outer = std::move(outer);
   state->options.memory_limit = options.memory_limit;
   state->options.threads = options.threads;
   state->options.tolerance = kTolerance;
   state->options.loads = kLoads;
-  MORTISE_ASSIGN_OR_RETURN(
-      state->body, ElasticBody::Create(state->body_mesh, state->is_fixed, false, state->options));
   return std::unique_ptr<const VolumeMapper>(new VolumeMapper(std::move(state)));
 }
 
-absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions) const {
-  if (positions.cols() != static_cast<Eigen::Index>(state_->outer.size()) ||
-      !positions.allFinite()) {
+absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions,
+                                            const Eigen::Array3Xi& slides) const {
+  State& state = *state_;
+  if (positions.cols() != static_cast<Eigen::Index>(state.outer.size()) || !positions.allFinite()) {
     return InvalidField("positions", "they are not finite, or not as many as 'outer'");
   }
-  const mesh::TetrahedralMesh& corners = state_->corners.mesh;
-  Eigen::Matrix3Xd prescribed = Eigen::Matrix3Xd::Zero(3, corners.nodes.cols());
-  for (std::size_t i = 0; i < state_->outer.size(); ++i) {
-    const int corner = state_->corners.corner_of[static_cast<std::size_t>(state_->outer[i])];
-    prescribed.col(corner) =
-        positions.col(static_cast<Eigen::Index>(i)) - corners.nodes.col(corner);
+  if (slides.cols() != 0 && slides.cols() != positions.cols()) {
+    return InvalidField("slides", "they are not as many as 'outer'");
   }
-  VolumeMap map;
-  MORTISE_ASSIGN_OR_RETURN(Eigen::Matrix3Xd best, state_->Displace(prescribed, false));
-  map.solves = 1;
-  map.unsound = static_cast<int>(state_->unsound.size());
-  map.inverted = state_->Inverted(best);
-  map.inverted_at_first = static_cast<int>(map.inverted.size());
-  const auto take = [&](const Eigen::Matrix3Xd& nodes) {
-    std::vector<int> inverted = state_->Inverted(nodes);
-    if (inverted.size() >= map.inverted.size()) return;
-    best = nodes;
-    map.inverted = std::move(inverted);
-  };
-  const auto is_done = [&] {
-    return std::none_of(map.inverted.begin(), map.inverted.end(),
-                        [this](int element) { return state_->IsMovable(element); });
-  };
-  if (!is_done()) {
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd nodes, state_->Displace(prescribed, true));
-    ++map.solves;
-    take(nodes);
+  const std::scoped_lock lock(state.mutex);
+  const std::shared_ptr<HeldBody> body = state.Held(slides);
+  const Eigen::Matrix3Xd& rest = state.corners.mesh.nodes;
+  Eigen::Matrix3Xd goal = rest;
+  for (std::size_t i = 0; i < state.outer.size(); ++i) {
+    goal.col(state.CornerOf(i)) = positions.col(static_cast<Eigen::Index>(i));
   }
-  for (int steps = 4; steps <= 16 && !is_done(); steps *= 4) {
-    MORTISE_ASSIGN_OR_RETURN(const auto nodes, state_->DisplaceInSteps(prescribed, steps));
-    map.solves += steps;
-    if (nodes) take(*nodes);
-  }
-  if (!is_done()) {
-    const std::size_t before = map.inverted.size();
-    Untangle(corners, state_->is_free, best);
-    map.inverted = state_->Inverted(best);
-    map.untangled = static_cast<int>(before) - static_cast<int>(map.inverted.size());
-  }
-  for (std::size_t i = 0; i < state_->outer.size(); ++i) {
-    const int corner = state_->corners.corner_of[static_cast<std::size_t>(state_->outer[i])];
-    best.col(corner) = positions.col(static_cast<Eigen::Index>(i));
-  }
-  map.nodes = mesh::AtAllNodes(*state_->mesh, state_->corners, best);
+  const Eigen::Matrix3Xd prescribed =
+      (body->is_fixed != 0).select((goal - rest).array(), 0.0).matrix();
+  Eigen::Matrix3Xd corners;
+  MORTISE_ASSIGN_OR_RETURN(VolumeMap map, VolumeMapping(state, *body, prescribed).Run(corners));
+  // To the bit, which adding displacements is not.
+  corners = (body->is_fixed != 0).select(goal.array(), corners.array()).matrix();
+  map.nodes = mesh::AtAllNodes(*state.mesh, state.corners, corners);
   return map;
 }
 

@@ -41,20 +41,24 @@ class VolumeMapper {
   // rounding; a few are so to begin with where curved sides keep elements sound whose corners lie
   // on one round face. INVALID_ARGUMENT naming "mesh" if these have more than a thousandth of its
   // volume, "outer" if these are no corners of the mesh, or one on the surface is missing.
-  // RESOURCE_EXHAUSTED, and FAILED_PRECONDITION as the linear solver's.
   static absl::StatusOr<std::unique_ptr<const VolumeMapper>> Create(
       const mesh::TetrahedralMesh& mesh, std::vector<int> outer,
       const VolumeMapOptions& options = {});
   ~VolumeMapper();
 
-  // Returns the nodes of the mesh when node outer[i] is at positions.col(i). The result does not
-  // depend on what was mapped before. May be called from any number of threads, which wait for each
-  // other to solve. INVALID_ARGUMENT naming "positions" unless they are finite and as many as
-  // `outer`. Fails as the linear solver does.
-  absl::StatusOr<VolumeMap> Map(const Eigen::Matrix3Xd& positions) const;
+  // Returns the nodes of the mesh when node outer[i] is at positions.col(i). `slides`, 3 × outer:
+  // non-zero where a node keeps no more than the other coordinates of its position, as on a flat
+  // face on which it need not be in one place; empty for none. The result does not depend on what
+  // was mapped before. May be called from any number of threads, which wait for each other to
+  // solve; a solver is kept for each of the last few patterns of `slides`. INVALID_ARGUMENT naming
+  // "positions" unless they are finite and as many as `outer`, or "slides". Fails as the linear
+  // solver does; RESOURCE_EXHAUSTED.
+  absl::StatusOr<VolumeMap> Map(const Eigen::Matrix3Xd& positions,
+                                const Eigen::Array3Xi& slides = {}) const;
+
+  struct State;  // private to volume_map.cpp
 
  private:
-  struct State;
   explicit VolumeMapper(std::unique_ptr<State> state);
 
   std::unique_ptr<State> state_;

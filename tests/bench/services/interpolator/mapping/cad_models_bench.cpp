@@ -185,14 +185,11 @@ void TellUnmatched(const mesh::ControlVariables& ours, const mesh::ControlVariab
   }
 }
 
-void Run(const std::string& name, const Request& request) {
-  const auto model = Load(name);
-  if (!model.ok()) return void(std::printf("%s: %s\n", name.c_str(), "no CAD template"));
-  const auto& parameters = model->function->parameters();
+// Returns the middle of the parameters, and which of them vary.
+Eigen::VectorXd MiddleOf(const std::vector<parametric::Parameter>& parameters,
+                         std::vector<int>& varied) {
   const auto count = static_cast<int>(parameters.size());
-  const Eigen::VectorXd defaults = parametric::Defaults(parameters);
-  Eigen::VectorXd middle = defaults;
-  std::vector<int> varied;
+  Eigen::VectorXd middle = parametric::Defaults(parameters);
   for (int i = 0; i < count; ++i) {
     const auto& parameter = parameters[static_cast<std::size_t>(i)];
     // What is counted has nothing between.
@@ -200,6 +197,15 @@ void Run(const std::string& name, const Request& request) {
     middle[i] = (parameter.minimum + parameter.maximum) / 2;
     varied.push_back(i);
   }
+  return middle;
+}
+
+void Run(const std::string& name, const Request& request) {
+  const auto model = Load(name);
+  if (!model.ok()) return void(std::printf("%s: %s\n", name.c_str(), "no CAD template"));
+  const auto& parameters = model->function->parameters();
+  std::vector<int> varied;
+  const Eigen::VectorXd middle = MiddleOf(parameters, varied);
   absl::StatusOr<Sample> canonical = Evaluate(*model, middle, request, 0);
   if (!canonical.ok()) {
     std::printf("%s: %s\n", name.c_str(), std::string(canonical.status().message()).c_str());
