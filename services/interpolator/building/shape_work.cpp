@@ -88,6 +88,7 @@ absl::StatusOr<const MadeMesh*> ShapeWork::Mesh(const MeshKey& key, std::int64_t
       return absl::DataLossError("the canonical meshes that were kept are of another map");
     }
   }
+  if (IsUnderWay({kMesh, {{key, 0}, 0}})) return nullptr;
   known.number = number;
   if (!known.status.ok()) return &(meshes_[key].known = known, meshes_[key]);
   Submit({kMesh, {{key, 0}, 0}}, [this, key, known, file = FileOf(key.structure, number)] {
@@ -130,6 +131,7 @@ const KnownShape* ShapeWork::Shape(const ShapeKey& key) {
     Count(key, *known);
     return known;
   }
+  if (IsUnderWay({kShape, {key, 0}})) return nullptr;
   Submit({kShape, {key, 0}}, [this, key, file = FileOf(key.mesh.structure, key.number),
                               mesh = meshes_.at(key.mesh).known.digest] {
     absl::StatusOr<KnownShape> result = Bring(file, mesh);
@@ -185,6 +187,7 @@ const KnownDifference* ShapeWork::Difference(const DifferenceKey& key,
                                              const std::vector<WeightedDesign>& others) {
   const auto found = known_.differences.find(key);
   if (found != known_.differences.end()) return &found->second;
+  if (IsUnderWay({kDifference, key})) return nullptr;
   const MeshKey mesh = key.shape.mesh;
   std::vector<std::pair<std::string, double>> weighted;
   for (const WeightedDesign& other : others) {

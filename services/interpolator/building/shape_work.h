@@ -93,6 +93,7 @@ class ShapeWork {
   // What it is named by while it is under way.
   using Name = std::pair<int, DifferenceKey>;
 
+  bool IsUnderWay(const Name& name) const { return under_way_.contains(name); }
   void Count(const ShapeKey& key, const KnownShape& shape);
   void Submit(const Name& name, std::function<Event()> work);
   absl::StatusOr<MadeMesh> MakeMesh(const KnownMesh& known, const std::string& design);
