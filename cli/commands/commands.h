@@ -24,6 +24,7 @@ void AddMapBuildCommand(CLI::App& map, Session& session);     // of those
 void AddMapEvaluateCommand(CLI::App& map, Session& session);  // of those
 void AddMapExploreCommand(CLI::App& map, Session& session);   // of those
 void AddMapOptimizeCommand(CLI::App& map, Session& session);  // of those
+void AddMapShapeCommand(CLI::App& map, Session& session);     // of those
 void AddComposeHistoryCommand(CLI::App& compose, Session& session);  // of those
 void AddComposeCommands(CLI::App& app, Session& session);            // compose new|add|snap …
 void AddComposeRunCommand(CLI::App& compose, Session& session);      // of those

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
@@ -43,6 +44,12 @@ struct BuildOptions {
   double tolerance = 0;
   double seconds = 0;
   int structures = 0;
+  std::string shape;
+  double shape_noise = 0;
+  std::vector<std::string> fields;
+  std::vector<std::string> field_noise;
+  std::vector<std::string> regions;
+  int modes = 0;
   std::int64_t seed = 1;
   EvaluationFlags evaluation;
   TagOptions tags;
@@ -136,11 +143,45 @@ absl::Status AddMetrics(const BuildOptions& options, v1::MapSpecification& speci
   return absl::OkStatus();
 }
 
+absl::Status AddFieldNoise(const std::string& text, v1::MapSpecification::ShapeChoice& shape) {
+  MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--field-noise"));
+  const std::string source = "--field-noise " + assigned.first;
+  for (auto& field : *shape.mutable_fields()) {
+    if (field.name() != assigned.first) continue;
+    double floor = 0;
+    if (!absl::SimpleAtod(assigned.second, &floor)) {
+      return InvalidField(source, "must be a share of its range, such as 0.05");
+    }
+    field.set_noise_floor(floor);
+    return absl::OkStatus();
+  }
+  return InvalidField(source, "is no field of this map");
+}
+
+// Shapes, where any flag asks for them: fields lie on tetrahedra unless the surface is said.
+absl::Status AddShape(const BuildOptions& options, v1::MapSpecification& specification) {
+  const bool is_wanted = !options.shape.empty() || !options.fields.empty() ||
+                         !options.field_noise.empty() || !options.regions.empty() ||
+                         options.shape_noise != 0 || options.modes != 0;
+  if (!is_wanted) return absl::OkStatus();
+  v1::MapSpecification::ShapeChoice& shape = *specification.mutable_shape();
+  shape.set_geometry(options.shape == "surface" ? v1::SURFACE : v1::TETRAHEDRA);
+  shape.set_noise_floor(options.shape_noise);
+  shape.set_modes(options.modes);
+  *shape.mutable_regions() = {options.regions.begin(), options.regions.end()};
+  for (const std::string& name : options.fields) shape.add_fields()->set_name(name);
+  for (const std::string& text : options.field_noise) {
+    MORTISE_RETURN_IF_ERROR(AddFieldNoise(text, shape));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<v1::MapSpecification> Specification(const BuildOptions& options,
                                                    const GatewayClient& client) {
   v1::MapSpecification specification;
   specification.set_subject(ResourceName("templates", options.subject));
   MORTISE_RETURN_IF_ERROR(AddMetrics(options, specification));
+  MORTISE_RETURN_IF_ERROR(AddShape(options, specification));
   for (const std::string& text : options.vary) {
     MORTISE_RETURN_IF_ERROR(AddVariation(text, *specification.add_variations()));
   }
@@ -207,6 +248,29 @@ void AddSamplingFlags(CommandFlags& flags, BuildOptions& options) {
       ->capture_default_str();
 }
 
+// Declares what to know of shapes.
+void AddShapeFlags(CommandFlags& flags, BuildOptions& options) {
+  flags
+      .Add("--shape", options.shape,
+           "To have shapes, too: surface, or tetrahedra, which is also meant where only fields are "
+           "named",
+           "specification.shape.geometry")
+      ->check(CLI::IsMember({"surface", "tetrahedra"}));
+  flags.Add("--field", options.fields,
+            "Field to have on the shapes, such as von_mises; again for more",
+            "specification.shape.fields");
+  flags.Add("--field-noise", options.field_noise,
+            "NAME=SHARE: how much of a field is chance, over its range, such as 0.05");
+  flags.Add("--shape-noise", options.shape_noise,
+            "How much of the shape is chance, as a share of its size",
+            "specification.shape.noise_floor");
+  flags.Add("--region", options.regions,
+            "Region to name on the shapes, such as a boundary condition; all without",
+            "specification.shape.regions");
+  flags.Add("--modes", options.modes, "How many natural modes mode_shape has; 1 if not given",
+            "specification.shape.modes");
+}
+
 }  // namespace
 
 void AddMapBuildCommand(CLI::App& map, Session& session) {
@@ -219,6 +283,7 @@ void AddMapBuildCommand(CLI::App& map, Session& session) {
   flags.Add("--noise", options->noise,
             "METRIC=VALUE: how much of it is chance, as of meshes; nothing is sampled for less");
   AddMetricDefinitionFlags(flags, options->own);
+  AddShapeFlags(flags, *options);
   AddSamplingFlags(flags, *options);
   AddEvaluationFlags(flags, options->evaluation, "specification.",
                      "Of metrics of airflow: how it blows, \"X, Y, Z\" (m/s)");

@@ -142,6 +142,7 @@ void AddMapCommands(CLI::App& app, Session& session) {
   AddMapBuildCommand(*map, session);
   AddMapEvaluateCommand(*map, session);
   AddMapExploreCommand(*map, session);
+  AddMapShapeCommand(*map, session);
   AddMapOptimizeCommand(*map, session);
   AddListOf(*map->add_subcommand("list", "Maps, newest first"), "maps", session);
   AddOnMap(*map, "show", "What a map is of, and how good it is", Show, session);

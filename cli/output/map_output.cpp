@@ -56,7 +56,48 @@ void PrintMetrics(const v1::DesignMap& map, const Output& output) {
                     Text(metric.unit(), metric.largest_error()),
                     Text(metric.unit(), metric.mean_error())});
   }
+  if (rows.empty()) return;
   output.Table({"metric", "from", "to", "off at most", "off in the mean"}, rows);
+}
+
+// A field with its load case.
+std::string FieldText(const std::string& name, const std::string& load_case) {
+  return load_case.empty() ? name : absl::StrCat(name, ", ", load_case);
+}
+
+void PrintShapes(const v1::DesignMap& map, const Output& output) {
+  if (!map.has_shapes()) return;
+  const v1::MapShapes& shapes = map.shapes();
+  output.Line(absl::StrFormat(
+      "  shapes: %d in %d %s of up to %d nodes, %d triangles and %d tetrahedra, %.3g MB on disk",
+      shapes.shapes(), shapes.meshes(), shapes.meshes() == 1 ? "mesh" : "meshes", shapes.nodes(),
+      shapes.triangles(), shapes.tetrahedra(), static_cast<double>(shapes.bytes()) / 1e6));
+  if (shapes.inverted_tetrahedra() > 0 || shapes.unmapped() > 0) {
+    output.Line(absl::StrFormat("  %d tetrahedra are turned over, %d designs are in no mesh",
+                                shapes.inverted_tetrahedra(), shapes.unmapped()));
+  }
+  Rows rows = {{"shape", "", Text("m", shapes.size()), Text("m", shapes.largest_error()),
+                Text("m", shapes.largest_99_error()), Text("m", shapes.mean_error())}};
+  for (const v1::MapShapes::Field& field : shapes.fields()) {
+    rows.push_back({FieldText(field.name(), field.load_case()), Text(field.unit(), field.minimum()),
+                    Text(field.unit(), field.maximum()), Text(field.unit(), field.largest_error()),
+                    Text(field.unit(), field.largest_99_error()),
+                    Text(field.unit(), field.mean_error())});
+  }
+  output.Table({"of shapes", "from", "to", "off at most", "99 of 100", "off in the mean"}, rows);
+}
+
+void PrintShapeDifferences(const v1::MapVerification& verification, const Output& output) {
+  Rows rows;
+  for (const v1::MapVerification::ShapeDifference& difference : verification.shapes()) {
+    rows.push_back({difference.field().empty()
+                        ? "shape, of its size"
+                        : FieldText(difference.field(), difference.load_case()) + ", of its range",
+                    absl::StrFormat("%.3g", difference.largest()),
+                    absl::StrFormat("%.3g", difference.largest_99()),
+                    absl::StrFormat("%.3g", difference.mean())});
+  }
+  if (!rows.empty()) output.Table({"of shapes", "off at most", "99 of 100", "in the mean"}, rows);
 }
 
 void PrintStructures(const v1::DesignMap& map, const Output& output) {
@@ -115,6 +156,7 @@ void PrintMap(const v1::DesignMap& map, const Output& output) {
   PrintStale(map, output);
   PrintParameters(map, output);
   PrintMetrics(map, output);
+  PrintShapes(map, output);
   PrintStructures(map, output);
   PrintFailures(map, output);
   PrintVerification(map, output);
@@ -142,6 +184,7 @@ void PrintVerification(const v1::DesignMap& map, const Output& output) {
                     Text(unit, difference.largest_99()), Text(unit, difference.mean())});
   }
   if (!rows.empty()) output.Table({"metric", "off at most", "99 of 100", "in the mean"}, rows);
+  PrintShapeDifferences(verification, output);
 }
 
 void PrintPoints(const v1::DesignMap& map, const std::vector<double>& points,

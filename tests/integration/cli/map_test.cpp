@@ -49,7 +49,24 @@ v1::DesignMap KnownMap() {
     metric.set_unit("kg");
   }
   map.set_stop_reason("BUDGET");
+  map.mutable_shapes()->set_geometry(v1::SURFACE);
+  map.mutable_shapes()->set_meshes(1);
+  map.mutable_shapes()->set_shapes(9);
+  auto& field = *map.mutable_shapes()->add_fields();
+  field.set_name("stress");
+  field.set_unit("Pa");
+  field.set_load_case("pull");
+  field.set_components(1);
+  auto& difference = *map.mutable_verification()->add_shapes();
+  difference.set_field("stress");
+  difference.set_load_case("pull");
+  difference.set_largest(0.0625);
   return map;
+}
+
+template <typename Number>
+std::string Bytes(const std::vector<Number>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
 }
 
 class PlayedInterpolator final : public v1::InterpolatorService::Service {
@@ -100,6 +117,32 @@ class PlayedInterpolator final : public v1::InterpolatorService::Service {
     return grpc::Status::OK;
   }
 
+  // Answers with a triangle, whose mesh comes in two parts.
+  grpc::Status FollowMapShape(
+      grpc::ServerContext*,
+      grpc::ServerReaderWriter<v1::MapShape, v1::FollowMapShapeRequest>* stream) override {
+    for (v1::FollowMapShapeRequest request; stream->Read(&request);) {
+      followed.push_back(request);
+      if (!request.has_to()) continue;
+      v1::MapShape shape;
+      shape.set_uncovered(request.to().point(1) > 4);
+      if (!shape.uncovered()) {
+        shape.mutable_new_mesh()->set_triangles(Bytes<int>({0, 1}));
+        shape.mutable_new_mesh()->set_more(true);
+        stream->Write(shape);
+        shape.mutable_new_mesh()->set_triangles(Bytes<int>({2}));
+        shape.mutable_new_mesh()->set_parts(Bytes<int>({0}));
+        shape.mutable_new_mesh()->set_more(false);
+        shape.set_positions(Bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
+        shape.add_metrics("sum");
+        shape.add_values(7);
+        shape.add_metric_errors(0.5);
+      }
+      stream->Write(shape);
+    }
+    return grpc::Status::OK;
+  }
+
   grpc::Status VerifyMap(grpc::ServerContext*, const v1::VerifyMapRequest* request,
                          v1::Operation* response) override {
     verifications.push_back(*request);
@@ -116,6 +159,7 @@ class PlayedInterpolator final : public v1::InterpolatorService::Service {
   std::vector<v1::BuildMapRequest> builds;
   std::vector<v1::EvaluateMapRequest> evaluations;
   std::vector<v1::VerifyMapRequest> verifications;
+  std::vector<v1::FollowMapShapeRequest> followed;
   std::vector<std::string> deleted;
 };
 
@@ -250,6 +294,56 @@ TEST_F(MapCommands, BuildKnowsChoicesByName) {
       Refusal({"build", "table", "--metric", "sum", "--fix", "material=pine"});
   EXPECT_EQ(DetailOf(unknown).field, "--fix material");
   EXPECT_THAT(unknown.message(), HasSubstr("oak, birch"));
+}
+
+TEST_F(MapCommands, BuildSaysWhatToKnowOfShapes) {
+  Ask({"build", "table", "--shape", "surface", "--shape-noise", "0.01", "--field", "stress",
+       "--field", "heat", "--field-noise", "heat=0.05", "--region", "cap", "--modes", "2"});
+  Ask({"build", "table", "--metric", "sum", "--field", "stress"});
+  Ask({"build", "table", "--metric", "sum"});
+  ASSERT_EQ(interpolator_.builds.size(), 3u);
+  const v1::MapSpecification& specification = interpolator_.builds[0].specification();
+  EXPECT_EQ(specification.metrics_size(), 0);
+  const v1::MapSpecification::ShapeChoice& shape = specification.shape();
+  EXPECT_EQ(shape.geometry(), v1::SURFACE);
+  EXPECT_EQ(shape.noise_floor(), 0.01);
+  ASSERT_EQ(shape.fields_size(), 2);
+  EXPECT_EQ(shape.fields(0).noise_floor(), 0);
+  EXPECT_EQ(shape.fields(1).name(), "heat");
+  EXPECT_EQ(shape.fields(1).noise_floor(), 0.05);
+  EXPECT_THAT(shape.regions(), ElementsAre("cap"));
+  EXPECT_EQ(shape.modes(), 2);
+  EXPECT_EQ(interpolator_.builds[1].specification().shape().geometry(), v1::TETRAHEDRA);
+  EXPECT_FALSE(interpolator_.builds[2].specification().has_shape());
+  EXPECT_EQ(FieldOfRefusal({"build", "table", "--field", "stress", "--field-noise", "heat=0.1"}),
+            "--field-noise heat");
+  EXPECT_EQ(FieldOfRefusal({"build", "table", "--field", "heat", "--field-noise", "heat=5K"}),
+            "--field-noise heat");
+}
+
+TEST_F(MapCommands, ShowPrintsShapesAndHowFarTheyAreOff) {
+  const std::string shown = Print({"show", "maps/m"});
+  EXPECT_THAT(shown, HasSubstr("9 in 1 mesh"));
+  EXPECT_THAT(shown, HasSubstr("stress, pull"));
+  EXPECT_THAT(shown, HasSubstr("stress, pull, of its range"));
+  EXPECT_THAT(shown, HasSubstr("0.0625"));
+}
+
+TEST_F(MapCommands, ShapeWritesOneDesign) {
+  const mortise::testing::TemporaryFolder folder;
+  const std::string file = (folder.path() / "design.stl").string();
+  const Json document = Ask({"shape", "maps/m", "--at", "a=1,b=2", "--output", file});
+  EXPECT_EQ(document["metrics"]["sum"], 7);
+  EXPECT_EQ(ReadFile(file, 1000)->size(), 80u + 4 + 50);
+  ASSERT_EQ(interpolator_.followed.size(), 2u);
+  EXPECT_TRUE(interpolator_.followed[0].begin().without_fields());
+  EXPECT_THAT(interpolator_.followed[1].to().point(), ElementsAre(1, 2));
+  Ask({"shape", "maps/m", "--at", "a=1,b=2", "--output", (folder.path() / "design.vtu").string(),
+       "--field", "stress"});
+  EXPECT_THAT(interpolator_.followed[2].begin().fields(), ElementsAre("stress"));
+  EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=5", "--output", file}), "--at");
+  EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=2", "--output", "design.obj"}),
+            "--output");
 }
 
 TEST_F(MapCommands, BuildNamesTheFlagThatIsAtFault) {
