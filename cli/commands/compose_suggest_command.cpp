@@ -28,15 +28,21 @@ std::string PriceText(bool is_known, const v1::Money& price) {
   return is_known ? absl::StrFormat("%.2f %s", price.amount(), price.currency()) : "unknown";
 }
 
-std::string TrialText(const v1::ComponentSuggestion& suggestion) {
-  switch (suggestion.trial()) {
+std::string TrialText(v1::ComponentSuggestion::Trial trial) {
+  switch (trial) {
     case v1::ComponentSuggestion::FITS:
       return "fits";
     case v1::ComponentSuggestion::HELD_IN_PART:
-      return absl::StrCat("held in part: ", suggestion.trial_text());
+      return "held in part";
     default:
       return "was not tried";
   }
+}
+
+// Why it is suggested, and what is not held.
+std::string WhyText(const v1::ComponentSuggestion& suggestion) {
+  if (suggestion.trial_text().empty()) return suggestion.text();
+  return absl::StrCat(suggestion.text(), "; but ", suggestion.trial_text());
 }
 
 absl::Status Bill(const BillOptions& options, Session& session, Output& output) {
@@ -85,7 +91,8 @@ absl::Status Suggest(const SuggestOptions& options, Session& session, Output& ou
     rows.push_back({absl::StrFormat("%.2f", each.score()), each.template_(), each.group(),
                     absl::StrFormat("%.4g, %.4g, %.4g", each.position().x(), each.position().y(),
                                     each.position().z()),
-                    PriceText(each.has_price(), each.price()), TrialText(each), each.text()});
+                    PriceText(each.has_price(), each.price()), TrialText(each.trial()),
+                    WhyText(each)});
   }
   output.Table({"score", "template", "group", "at", "price", "tried", "why"}, rows);
   if (found.suggestions().empty()) {

@@ -34,10 +34,15 @@ bool IsFastenedIn(const Original& original, const std::vector<PrincipalPart>& co
 ComponentMotion::ComponentMotion(const BothSides& sides, const std::string& name,
                                  const Original* original)
     : original_(original), frames_(sides) {
-  if (original != nullptr) {
-    own_joint_ = OwnJointOf(original->design.assembly->assembly(), sides.component_parts);
-    only_touches_ = own_joint_ != nullptr && !IsFastenedIn(*original, sides.component_parts);
+  if (original == nullptr) {
+    wanted_ = WantedMotionOf(sides.component_parts, name, nullptr);
+    return;
   }
+  own_joint_ = OwnJointOf(original->design.assembly->assembly(), sides.component_parts);
+  const bool is_fastened = IsFastenedIn(*original, sides.component_parts);
+  only_touches_ = own_joint_ != nullptr && !is_fastened;
+  // What its design holds firmly stays so, whatever it is called.
+  if (own_joint_ == nullptr && is_fastened) return;
   wanted_ = WantedMotionOf(sides.component_parts, name, own_joint_);
 }
 

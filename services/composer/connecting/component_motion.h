@@ -12,8 +12,8 @@ namespace mortise::composer {
 
 class ComponentMotion {
  public:
-  // `name` is what the component is called in the model. `original`, null for none, must outlive
-  // it.
+  // `name` is what the component is called in the model: it counts where no fastener of the
+  // original holds the component firmly. `original`, null for none, must outlive this.
   ComponentMotion(const BothSides& sides, const std::string& name, const Original* original);
 
   // How the component is to move against the body.

@@ -144,6 +144,16 @@ TEST(MotionsTest, WhatIsNotIsHeldFirmly) {
   }
 }
 
+// What its design screws is screwed here, too, by the same screws.
+TEST(MotionsTest, AShelfThatIsCalledADrawerIsAShelf) {
+  ASSERT_OK_AND_ASSIGN(const Design bookshelf, Without("bookshelf", "shelf 3"));
+  const Design shelf = ShippedComponent("bookshelf", "shelf 3");
+  const Original original = ShippedOriginal("bookshelf");
+  ASSERT_OK_AND_ASSIGN(const Connected made, ConnectAs("drawer", bookshelf, shelf, &original));
+  EXPECT_EQ(FastenedConnections(made), 2);
+  EXPECT_THAT(made.warnings, IsEmpty());
+}
+
 // Guides hold it by nothing but their place.
 TEST(MotionsTest, ADoorBetweenGuidesTakesItsJointAlong) {
   ASSERT_OK_AND_ASSIGN(const Design coop, Without("chicken_coop", "pop door"));
