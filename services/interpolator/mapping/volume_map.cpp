@@ -280,10 +280,12 @@ class VolumeMapping {
       if (nodes) Take(*nodes, corners);
     }
     if (!IsDone()) {
+      Eigen::Matrix3Xd untangled = corners;
+      Untangle(state_.corners.mesh, body_.is_free, untangled);
       const std::size_t before = map_.inverted.size();
-      Untangle(state_.corners.mesh, body_.is_free, corners);
-      map_.inverted = state_.Inverted(corners);
-      map_.untangled = static_cast<int>(before) - static_cast<int>(map_.inverted.size());
+      // It raises the least volume around a node, which may cost another element its own.
+      Take(untangled, corners);
+      map_.untangled = static_cast<int>(before - map_.inverted.size());
     }
     return std::move(map_);
   }
