@@ -1,13 +1,13 @@
 // Finds the control variables of a solid made of features: its vertices and points along its edges,
 // by names that are made of what the faces beside them come from (thesis §6.6.2).
 //
-// Face, edge and vertex have a first name: a face all names that lead to it, with what it lies
-// beside where several have the same (mesh/distinct_names.h), an edge the names of its two faces, a
-// vertex those of the faces around it. The name of an edge is its first name with those of its
-// vertices, sorted; of a vertex, its first name with those of its edges. So names agree at two
-// parameters only where nothing around the edge or vertex has merged, split or gone. What has the
-// same name as another has none; nor have seams of closed faces, their vertices and edges without
-// length.
+// Face, edge and vertex have a first name: a face all names that lead to it, an edge the names of
+// its two faces, a vertex those of the faces around it. The name of an edge is its first name with
+// those of its vertices, sorted; of a vertex, its first name with those of its edges. So names
+// agree at two parameters only where nothing around the edge or vertex has merged, split or gone.
+// What has the same name as another is named again with faces of one name told apart by what they
+// lie beside (mesh/distinct_names.h); what then still has the same name as another has none. Nor
+// have seams of closed faces, their vertices and edges without length.
 #pragma once
 
 #include <string>
