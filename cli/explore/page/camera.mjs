@@ -3,16 +3,19 @@
 const VIEW_ANGLE = 0.6;  // rad, from top to bottom
 const START = { yaw: -0.9, pitch: 0.42 };
 const MOST_PITCH = Math.PI / 2 - 0.001;
+const TURNS = 16;      // directions around that a whole box is to be seen from
+const MARGIN = 1.06;
 
 export class Camera {
   constructor() {
-    Object.assign(this, START, { target: [0, 0, 0], size: 1, zoom: 1 });
+    Object.assign(this, START, { target: [0, 0, 0], half: [0.5, 0.5, 0.5], size: 1, zoom: 1 });
   }
 
   // Looks at a box (low, high) as a whole, from where it looks now.
   frame([low, high]) {
     this.target = low.map((l, c) => (l + high[c]) / 2);
-    this.size = Math.hypot(...low.map((l, c) => high[c] - l)) || 1;
+    this.half = low.map((l, c) => (high[c] - l) / 2);
+    this.size = 2 * Math.hypot(...this.half) || 1;
     this.zoom = 1;
   }
 
@@ -38,15 +41,25 @@ export class Camera {
   }
 
   // Axes of the picture: x to the right, y upwards, z towards the eye.
-  axes() {
-    const [cy, sy, cp, sp] =
-      [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+  axes(yaw = this.yaw, pitch = this.pitch) {
+    const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     return { x: [-sy, cy, 0], y: [-sp * cy, -sp * sy, cp], z: [cp * cy, cp * sy, sp] };
   }
 
-  // Narrow pictures are looked at from further away.
+  // From where the whole box is seen from all around, at the pitch of the start.
   distance(aspect) {
-    return this.size / (2 * Math.sin(VIEW_ANGLE / 2) * this.zoom) * Math.max(1, 1 / aspect) * 0.98;
+    const slope = Math.tan(VIEW_ANGLE / 2);
+    let distance = 0;
+    for (let turn = 0; turn < TURNS; ++turn) {
+      const { x, y, z } = this.axes(2 * Math.PI * turn / TURNS, START.pitch);
+      for (let corner = 0; corner < 8; ++corner) {
+        const along = (axis) =>
+          axis.reduce((sum, a, c) => sum + a * this.half[c] * (corner >> c & 1 ? 1 : -1), 0);
+        const off = Math.max(Math.abs(along(x)) / aspect, Math.abs(along(y)));
+        distance = Math.max(distance, along(z) + off / slope);
+      }
+    }
+    return (MARGIN * distance || 1) / this.zoom;
   }
 
   // Matrices column by column: `view` to the eye's axes, `projection` to the picture.

@@ -13,10 +13,13 @@
 #include "common/base/files.h"
 #include "common/base/random.h"
 #include "services/interpolator/service/map_export.h"
+#include "services/interpolator/service/map_shape.h"
+#include "services/interpolator/service/map_stream.h"
 #include "tests/support/opened_page.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/cli/explore/vase_map.h"
 #include "tests/unit/services/interpolator/service/sampled_map.h"
+#include "tests/unit/services/interpolator/service/stored_bars.h"
 
 namespace mortise::cli {
 namespace {
@@ -223,6 +226,43 @@ TEST_F(ExplorePageTest, DrawsShapesBetweenSamples) {
     }
   }
   EXPECT_GT(drawn, 8);
+}
+
+TEST_F(ExplorePageTest, DrawsWhatTheServiceAnswersWith) {
+  interpolator::testing::StoredBars bars;
+  v1::DesignMap map = bars.map()->record;
+  for (v1::MapShapes::Field& field : *map.mutable_shapes()->mutable_fields()) {
+    field.set_components(1);
+  }
+  v1::EvaluateMapShapeRequest asked;
+  asked.set_geometry(v1::SURFACE);
+  interpolator::MapStream stream(bars.map(), &bars.shapes(), 0,
+                                 interpolator::ReadShapeDemand(map, asked).value());
+  ExportedStructure exported;
+  for (auto part = stream.Next().value(); part; part = stream.Next().value()) {
+    AddPart(*std::move(part), exported);
+  }
+  std::vector<std::vector<double>> designs;
+  Random random(3);
+  for (int i = 0; i < 15; ++i) {
+    designs.push_back({random.Uniform(), 10 + 2 * random.Uniform()});
+  }
+  const Json told = Open(MapPage(map, {exported}).value(), designs);
+  ASSERT_EQ(told["answers"].size(), designs.size());
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    *asked.mutable_point() = {designs[i].begin(), designs[i].end()};
+    const v1::MapShape truth =
+        interpolator::EvaluateShape(*bars.map(), bars.shapes(), asked).value();
+    const Json& answer = told["answers"][i];
+    EXPECT_NEAR(answer["values"][0].get<double>(), truth.values(0), 1e-9 * truth.values(0));
+    EXPECT_GT(answer["colours"].get<int>(), 50);
+    ASSERT_EQ(answer["positions"].size(), 30u);
+    for (std::size_t n = 0; n < 30; ++n) {
+      float expected = 0;
+      std::memcpy(&expected, truth.positions().data() + n * sizeof(float), sizeof(float));
+      EXPECT_NEAR(answer["positions"][n].get<double>(), expected, 1e-5 * bars.mesh().size);
+    }
+  }
 }
 
 TEST_F(ExplorePageTest, ShowsMetricsWithoutWebGl) {
