@@ -5,10 +5,11 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
-#include <cmath>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
-#include "services/interpolator/mapping/barycentric.h"
+#include "common/mesh/surface_check.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -20,25 +21,76 @@ using Boxes = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 Kernel::Point_3 ToPoint(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
 
+// Returns the share of the end of a segment in its point that is nearest to `point`.
+double ShareOfEnd(const Eigen::Vector3d& point, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& to) {
+  const Eigen::Vector3d along = to - from;
+  const double square = along.squaredNorm();
+  return square > 0 ? std::clamp((point - from).dot(along) / square, 0.0, 1.0) : 0;
+}
+
+// Returns the barycentric coordinates of the point of a triangle that is nearest to `point`: within
+// it, or else on one of its sides, whichever rounding leaves.
+Eigen::Vector3d NearestIn(const Eigen::Matrix3d& corners, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d a = corners.col(0), b = corners.col(1), c = corners.col(2);
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double square = normal.squaredNorm();
+  const double of_b = (point - a).cross(c - a).dot(normal) / square;
+  const double of_c = (b - a).cross(point - a).dot(normal) / square;
+  if (of_b >= 0 && of_c >= 0 && of_b + of_c <= 1) return {1 - of_b - of_c, of_b, of_c};
+  Eigen::Vector3d best = Eigen::Vector3d::UnitX();
+  double least = (corners * best - point).squaredNorm();
+  for (int side = 0; side < 3; ++side) {
+    const int next = (side + 1) % 3;
+    Eigen::Vector3d there = Eigen::Vector3d::Zero();
+    there[next] = ShareOfEnd(point, corners.col(side), corners.col(next));
+    there[side] = 1 - there[next];
+    const double squared = (corners * there - point).squaredNorm();
+    if (squared < least) {
+      least = squared;
+      best = there;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 // The boxes refer to the triangles, so neither moves.
 struct NearestPlaces::Tree {
-  explicit Tree(const mesh::SurfaceMesh& of) : surface(of) {
-    triangles.reserve(static_cast<std::size_t>(of.triangles.cols()));
-    for (const auto& corners : of.triangles.colwise()) {
-      triangles.emplace_back(ToPoint(of.vertices.col(corners[0])),
-                             ToPoint(of.vertices.col(corners[1])),
-                             ToPoint(of.vertices.col(corners[2])));
+  explicit Tree(const mesh::SurfaceMesh& of) {
+    for (Eigen::Index t = 0; t < of.triangles.cols(); ++t) {
+      const Eigen::Matrix3d at = of.vertices(Eigen::all, of.triangles.col(t));
+      if (t == 0) first = at.col(0);
+      if (mesh::IsDegenerate(at.col(0), at.col(1), at.col(2))) continue;
+      corners.push_back(at);
+      number.push_back(static_cast<int>(t));
+      triangles.emplace_back(ToPoint(at.col(0)), ToPoint(at.col(1)), ToPoint(at.col(2)));
     }
-    boxes.insert(triangles.begin(), triangles.end());
+    boxes.insert(triangles.cbegin(), triangles.cend());
+    if (triangles.empty()) return;
     boxes.build();
     boxes.accelerate_distance_queries();
   }
 
-  mesh::SurfaceMesh surface;
+  // What CGAL finds on a sliver may lie beside it. This is a point of the triangle in any case.
+  TrianglePlace Find(const Eigen::Vector3d& point, double& distance) const {
+    if (triangles.empty()) {
+      distance = (first - point).norm();
+      return {0, Eigen::Vector3d::UnitX()};
+    }
+    const auto [place, primitive] = boxes.closest_point_and_primitive(ToPoint(point));
+    const auto found = static_cast<std::size_t>(primitive - triangles.cbegin());
+    const Eigen::Vector3d shares = NearestIn(corners[found], point);
+    distance = (corners[found] * shares - point).norm();
+    return {number[found], shares};
+  }
+
+  std::vector<Eigen::Matrix3d> corners;
+  std::vector<int> number;  // of each triangle that has an area
   Triangles triangles;
   Boxes boxes;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
 };
 
 NearestPlaces::NearestPlaces(const mesh::SurfaceMesh& surface)
@@ -47,17 +99,14 @@ NearestPlaces::NearestPlaces(const mesh::SurfaceMesh& surface)
 NearestPlaces::~NearestPlaces() = default;
 
 TrianglePlace NearestPlaces::Find(const Eigen::Vector3d& point) const {
-  const auto [place, triangle] = tree_->boxes.closest_point_and_primitive(ToPoint(point));
-  const auto index = static_cast<int>(triangle - tree_->triangles.cbegin());
-  Eigen::Matrix3d corners;
-  for (int k = 0; k < 3; ++k) {
-    corners.col(k) = tree_->surface.vertices.col(tree_->surface.triangles(k, index));
-  }
-  return {index, BarycentricIn(corners, Eigen::Vector3d(place.x(), place.y(), place.z()))};
+  double distance = 0;
+  return tree_->Find(point, distance);
 }
 
 double NearestPlaces::Distance(const Eigen::Vector3d& point) const {
-  return std::sqrt(tree_->boxes.squared_distance(ToPoint(point)));
+  double distance = 0;
+  tree_->Find(point, distance);
+  return distance;
 }
 
 }  // namespace mortise::interpolator

@@ -12,7 +12,8 @@ namespace mortise::interpolator {
 // A surface that is asked again and again. May be used from any number of threads.
 class NearestPlaces {
  public:
-  // The surface must have triangles, indices in range and finite vertices.
+  // The surface must have triangles, indices in range and finite vertices. Triangles without area
+  // are left out, as their neighbours have their points; if all are, the first corner is all of it.
   explicit NearestPlaces(const mesh::SurfaceMesh& surface);
   ~NearestPlaces();
 

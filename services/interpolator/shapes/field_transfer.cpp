@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/mapping/nearest_place.h"
 #include "services/interpolator/shapes/element_grid.h"
-#include "services/interpolator/shapes/nearest_surface.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -61,15 +61,17 @@ class Locating {
         return {{tetrahedra_.col(place.element), place.barycentric}, place.element};
       }
     }
-    if (!surface_) surface_.emplace(design_.nodes, outer_.triangles);
-    const SurfacePoint nearest = surface_->Find(point);
-    if (nearest.distance > rounding_) {
+    if (!surface_) surface_.emplace(mesh::SurfaceMesh{design_.nodes, outer_.triangles});
+    const TrianglePlace nearest = surface_->Find(point);
+    const Eigen::Vector3i nodes = outer_.triangles.col(nearest.triangle);
+    const Eigen::Matrix3d corners = design_.nodes(Eigen::all, nodes);
+    const double distance = (corners * nearest.barycentric - point).norm();
+    if (distance > rounding_) {
       ++outside;
-      furthest = std::max(furthest, nearest.distance);
+      furthest = std::max(furthest, distance);
     }
-    const int triangle = nearest.place.triangle;
-    return {SharesOf(outer_.triangles.col(triangle), nearest.place.barycentric),
-            outer_.element[static_cast<std::size_t>(triangle)]};
+    return {SharesOf(nodes, nearest.barycentric),
+            outer_.element[static_cast<std::size_t>(nearest.triangle)]};
   }
 
   int outside = 0;
@@ -81,7 +83,7 @@ class Locating {
   const Eigen::Matrix4Xi tetrahedra_;
   double rounding_ = 0;
   std::optional<ElementGrid> grid_;
-  std::optional<NearestSurface> surface_;
+  std::optional<NearestPlaces> surface_;
 };
 
 std::vector<Shares> LocateNodes(const Eigen::Matrix3Xd& nodes, const std::vector<NodePlace>& places,

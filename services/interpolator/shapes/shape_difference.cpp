@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/mapping/nearest_place.h"
 #include "services/interpolator/shapes/corner_design.h"
-#include "services/interpolator/shapes/nearest_surface.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -22,11 +22,11 @@ double LengthOf(const Eigen::Ref<const Eigen::VectorXd>& value) {
   return std::sqrt(value.head<3>().squaredNorm() + 2 * value.tail<3>().squaredNorm());
 }
 
-Spread DistancesFrom(const Eigen::Matrix3Xd& points, const NearestSurface& surface) {
+Spread DistancesFrom(const Eigen::Matrix3Xd& points, const NearestPlaces& surface) {
   std::vector<double> distances;
   distances.reserve(static_cast<std::size_t>(points.cols()));
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    distances.push_back(surface.Find(points.col(p)).distance);
+    distances.push_back(surface.Distance(points.col(p)));
   }
   return SpreadOf(distances);
 }
@@ -96,9 +96,8 @@ absl::StatusOr<ShapeDifference> Difference(const BlendedShape& blended, const Ca
   const Eigen::Matrix3Xd true_nodes = SurfaceOf(truth.nodes, outer.triangles).surface.vertices;
   ShapeDifference difference;
   difference.size = (true_nodes.rowwise().maxCoeff() - true_nodes.rowwise().minCoeff()).norm();
-  const mesh::SurfaceMesh fine = FineSurface(truth, outer);
-  difference.to_truth = DistancesFrom(nodes, NearestSurface(fine.vertices, fine.triangles));
-  difference.from_truth = DistancesFrom(true_nodes, NearestSurface(nodes, mesh.triangles));
+  difference.to_truth = DistancesFrom(nodes, NearestPlaces(FineSurface(truth, outer)));
+  difference.from_truth = DistancesFrom(true_nodes, NearestPlaces({nodes, mesh.triangles}));
   difference.shape = LargerOf(difference.to_truth, difference.from_truth);
   if (truth_brought == nullptr) return difference;
   MORTISE_ASSIGN_OR_RETURN(difference.fields, FieldDifferences(blended, mesh, *truth_brought));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/unit/services/interpolator/mapping/block_shapes.h"
 
 namespace mortise::interpolator {
@@ -20,6 +22,41 @@ TEST(NearestPlacesTest, FindsPlacesOnABox) {
     EXPECT_LT((found - known).norm(), 1e-12);
     EXPECT_NEAR(nearest.Distance(point), (known - point).norm(), 1e-12);
   }
+}
+
+TEST(NearestPlacesTest, FindsTheNearestPointOfManyPlaces) {
+  const BlockMesh block = MakeBlockMesh(BoxShape({2, 1, 0.5}), {.along = 5, .unrest = 0.2});
+  const mesh::SurfaceMesh& surface = block.marked.surface;
+  const NearestPlaces nearest(surface);
+  const Eigen::Vector3d size(2, 1, 0.5);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(-1, 2);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d point =
+        size.cwiseProduct(Eigen::Vector3d(unit(random), unit(random), unit(random)));
+    const Eigen::Vector3d inside = point.cwiseMax(0).cwiseMin(size);
+    const double to_side =
+        inside.array().min((size - inside).array()).minCoeff();  // within: to the nearest face
+    const double expected = inside == point ? to_side : (point - inside).norm();
+    const TrianglePlace found = nearest.Find(point);
+    EXPECT_NEAR(nearest.Distance(point), expected, 1e-12);
+    EXPECT_GE(found.barycentric.minCoeff(), 0);
+    EXPECT_NEAR(found.barycentric.sum(), 1, 1e-12);
+    const Eigen::Matrix3d corners =
+        surface.vertices(Eigen::all, surface.triangles.col(found.triangle));
+    EXPECT_NEAR((corners * found.barycentric - point).norm(), expected, 1e-12);
+  }
+}
+
+TEST(NearestPlacesTest, LeavesOutTrianglesWithoutArea) {
+  Eigen::Matrix3Xd nodes(3, 4);
+  nodes << 0, 1, 0, 2, 0, 0, 1, 0, 0, 0, 0, 0;
+  Eigen::Matrix3Xi triangles(3, 2);
+  triangles << 0, 0, 1, 1, 3, 2;
+  const NearestPlaces nearest({nodes, triangles});
+  EXPECT_EQ(nearest.Find({0.2, 0.2, 3}).triangle, 1);
+  EXPECT_NEAR(nearest.Distance({0.2, 0.2, 3}), 3, 1e-12);
+  EXPECT_NEAR(NearestPlaces({nodes, triangles.leftCols(1)}).Distance({0, 0, 2}), 2, 1e-12);
 }
 
 }  // namespace
