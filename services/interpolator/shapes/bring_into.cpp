@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/fields/control_variables.h"
-#include "services/interpolator/mapping/control_points.h"
+#include "services/interpolator/mapping/model_surface_map.h"
 #include "services/interpolator/shapes/corner_design.h"
 #include "services/interpolator/shapes/field_transfer.h"
 
@@ -63,23 +63,6 @@ absl::StatusOr<mesh::ControlVariables> VariablesOf(const fields::DesignFields& d
   if (!variables.ok()) return UnderField(field, variables.status());
   for (mesh::ControlVariables::Point& point : variables->points) point.vertex = -1;
   return variables;
-}
-
-struct PlacedSurface {
-  NodeSurface outer;
-  MarkedSurface marked;
-};
-
-absl::StatusOr<PlacedSurface> PlaceSurface(const Eigen::Matrix3Xd& nodes,
-                                           const Eigen::Matrix3Xi& triangles,
-                                           const mesh::ControlVariables& variables,
-                                           std::string_view field) {
-  PlacedSurface placed;
-  placed.outer = SurfaceOf(nodes, triangles);
-  auto marked = PlaceControlVariables(placed.outer.surface, variables);
-  if (!marked.ok()) return UnderField(field, marked.status());
-  placed.marked = *std::move(marked);
-  return placed;
 }
 
 // A design with the mesh's own elements.
@@ -140,8 +123,10 @@ class PreparedMesh::Mapping {
   absl::Status PrepareOnce() {
     MORTISE_ASSIGN_OR_RETURN(mesh::ControlVariables variables, VariablesOf(mesh_.given, "target"));
     if (mesh_.element_count() == 0) {
-      MORTISE_ASSIGN_OR_RETURN(surface_,
-                               PlaceSurface(mesh_.nodes, mesh_.triangles, variables, "target"));
+      MORTISE_ASSIGN_OR_RETURN(
+          surface_mapper_,
+          ModelSurfaceMapper::Create({{mesh_.nodes, mesh_.triangles}, {}, {}, {}, variables},
+                                     options_.layout));
       return absl::OkStatus();
     }
     MORTISE_ASSIGN_OR_RETURN(
@@ -164,22 +149,10 @@ class PreparedMesh::Mapping {
   absl::StatusOr<MappedNodes> MapSurfaceAlone(const fields::DesignFields& design,
                                               const OuterTriangles& outer) const {
     MORTISE_ASSIGN_OR_RETURN(const mesh::ControlVariables variables, VariablesOf(design, "source"));
-    MORTISE_ASSIGN_OR_RETURN(const PlacedSurface source,
-                             PlaceSurface(design.nodes, outer.triangles, variables, "source"));
-    MORTISE_ASSIGN_OR_RETURN(const SurfaceMap map,
-                             MapSurface(source.marked, surface_.marked, options_.layout));
-    // The nodes of the mesh come first, then those of control points between them.
-    const auto count = static_cast<std::size_t>(mesh_.surface_nodes);
-    const std::vector<TrianglePlace> places =
-        PlacesBeforeMarking(source.outer.surface, source.marked, map, count);
-    MappedNodes mapped;
-    mapped.nodes = map.positions.leftCols(mesh_.surface_nodes);
-    for (const TrianglePlace& place : places) {
-      NodePlace& between = mapped.places.emplace_back();
-      if (place.triangle < 0) continue;
-      between = {outer.triangles.col(place.triangle), place.barycentric};
-    }
-    return mapped;
+    MORTISE_ASSIGN_OR_RETURN(
+        ModelSurfaceMap map,
+        surface_mapper_->Map({{design.nodes, outer.triangles}, {}, {}, outer.middles, variables}));
+    return MappedNodes{std::move(map.positions), std::move(map.places)};
   }
 
   const CanonicalMesh& mesh_;
@@ -187,8 +160,8 @@ class PreparedMesh::Mapping {
   std::mutex mutex_;
   bool is_prepared_ = false;
   absl::Status prepared_;
-  std::unique_ptr<const MeshMapper> mapper_;
-  PlacedSurface surface_;  // of a mesh without elements
+  std::unique_ptr<const MeshMapper> mapper_;  // or, of a surface alone,
+  std::unique_ptr<const ModelSurfaceMapper> surface_mapper_;
 };
 
 PreparedMesh::PreparedMesh(std::shared_ptr<const CanonicalMesh> mesh, const MeshMapOptions& options)

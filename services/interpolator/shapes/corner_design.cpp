@@ -122,6 +122,7 @@ OuterTriangles GivenOnOutside(const fields::DesignFields& design) {
   outer.triangles.resize(3, count);
   outer.part.resize(count);
   outer.element.assign(static_cast<std::size_t>(count), -1);
+  if (design.triangles.rows() == 6) outer.middles.resize(3, count);
   for (Eigen::Index t = 0; t < design.triangles.cols(); ++t) {
     const int number = outer.outer_of[static_cast<std::size_t>(t)];
     if (number < 0) continue;
@@ -129,6 +130,9 @@ OuterTriangles GivenOnOutside(const fields::DesignFields& design) {
     const int back = design.triangle_back[t], front = design.triangle_front[t];
     if (front >= 0) std::swap(outer.triangles(1, number), outer.triangles(2, number));
     outer.part[number] = std::max(back, front);
+    if (outer.middles.cols() == 0) continue;
+    outer.middles.col(number) = design.triangles.col(t).tail<3>();
+    if (front >= 0) std::swap(outer.middles(0, number), outer.middles(2, number));
   }
   return outer;
 }

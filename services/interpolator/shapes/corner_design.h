@@ -24,6 +24,8 @@ struct OuterTriangles {
   Eigen::VectorXi part;        // F: the part behind; -1 if it has none
   std::vector<int> element;    // F: the tetrahedron behind; -1 of a surface alone
   std::vector<int> outer_of;   // of each given triangle: its number here, or -1
+  // Of a surface alone with 6-node triangles: 3 × F, the middles of the sides 01, 12, 20; or empty.
+  Eigen::Matrix3Xi middles;
 };
 
 // Finds them: with tetrahedra the faces that only one has, otherwise the given triangles that have
