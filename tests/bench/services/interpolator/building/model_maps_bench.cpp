@@ -47,7 +47,7 @@ struct Model {
   const char* published;    // K, levels, samples; geometry max, 99 %; FEM max, 99 %
 };
 
-const Model kModels[] = {{"wrench", 120, 0.004, "3, 5, 49; .0028 .0004; .2138 .0393"},
+const Model kModels[] = {{"wrench", 80, 0.006, "3, 5, 49; .0028 .0004; .2138 .0393"},
                          {"chair", 1600, 0.03, "6, 7, 777; .0243 .0022; .3756 .1130"},
                          {"bike-rocker-arm", 240, 0.004, "4, 6, 103; .0112 .0003; .1403 .0281"},
                          {"camera-mount", 560, 0.004, "5, 6, 259; .0009 .0002; .4107 .1861"},
