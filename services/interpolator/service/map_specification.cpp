@@ -66,20 +66,7 @@ void CheckName(const std::string& field, const std::string& name, std::set<std::
   }
 }
 
-void CheckShape(const v1::MapSpecification& specification, Faults& faults) {
-  if (!specification.has_shape()) return;
-  const v1::MapSpecification::ShapeChoice& shape = specification.shape();
-  if (shape.geometry() != v1::SURFACE && shape.geometry() != v1::TETRAHEDRA) {
-    faults.AddField("shape.geometry", "must be SURFACE or TETRAHEDRA");
-  }
-  faults.CheckRange("shape.noise_floor", shape.noise_floor(), 0.0, 1.0);
-  faults.CheckRange("shape.modes", shape.modes(), 0, kMaxModes);
-  if (specification.basis() == v1::MapSpecification::CUBIC) {
-    faults.AddField("basis", "must be LINEAR for shapes");
-  }
-  faults.CheckRange("shape.fields", shape.fields_size(), 0, kMaxFields);
-  faults.CheckRange("shape.regions", shape.regions_size(), 0, kMaxRegions);
-  if (shape.fields_size() > kMaxFields || shape.regions_size() > kMaxRegions) return;
+void CheckNames(const v1::MapSpecification::ShapeChoice& shape, Faults& faults) {
   std::set<std::string> fields, regions;
   for (int i = 0; i < shape.fields_size(); ++i) {
     const std::string field = absl::StrCat("shape.fields[", i, "]");
@@ -88,6 +75,25 @@ void CheckShape(const v1::MapSpecification& specification, Faults& faults) {
   }
   for (int i = 0; i < shape.regions_size(); ++i) {
     CheckName(absl::StrCat("shape.regions[", i, "]"), shape.regions(i), regions, faults);
+  }
+}
+
+void CheckShape(const v1::MapSpecification& specification, Faults& faults) {
+  if (!specification.has_shape()) return;
+  const v1::MapSpecification::ShapeChoice& shape = specification.shape();
+  faults.CheckRange("shape.noise_floor", shape.noise_floor(), 0.0, 1.0);
+  faults.CheckRange("shape.modes", shape.modes(), 0, kMaxModes);
+  if (specification.basis() == v1::MapSpecification::CUBIC) {
+    faults.AddField("basis", "must be LINEAR for shapes");
+  }
+  faults.CheckRange("shape.fields", shape.fields_size(), 0, kMaxFields);
+  faults.CheckRange("shape.regions", shape.regions_size(), 0, kMaxRegions);
+  if (shape.fields_size() <= kMaxFields && shape.regions_size() <= kMaxRegions) {
+    CheckNames(shape, faults);
+  }
+  // Last: what is there is named before what is missing.
+  if (shape.geometry() != v1::SURFACE && shape.geometry() != v1::TETRAHEDRA) {
+    faults.AddField("shape.geometry", "must be SURFACE or TETRAHEDRA");
   }
 }
 
