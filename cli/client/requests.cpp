@@ -27,14 +27,40 @@ constexpr double kMinInMegapascal = 1e4;  // Pa
 
 struct Unit {
   absl::string_view name;
-  double size;  // SI
+  double size;           // of `si`
+  absl::string_view si;  // the SI unit of what is said with it
 };
 
-constexpr Unit kLengths[] = {{"m", 1}, {"cm", 10 * kMillimetre}, {"mm", kMillimetre}};
-constexpr Unit kMetricUnits[] = {
-    {"m", 1},     {"cm", 10 * kMillimetre}, {"mm", kMillimetre}, {"kg", 1}, {"g", 1e-3}, {"Pa", 1},
-    {"kPa", 1e3}, {"MPa", kMegapascal},     {"GPa", 1e9},        {"N", 1},  {"kN", 1e3}, {"Hz", 1},
-    {"kHz", 1e3}};
+constexpr Unit kLengths[] = {
+    {"m", 1, "m"}, {"cm", 10 * kMillimetre, "m"}, {"mm", kMillimetre, "m"}};
+constexpr Unit kMetricUnits[] = {{"m", 1, "m"},
+                                 {"cm", 10 * kMillimetre, "m"},
+                                 {"mm", kMillimetre, "m"},
+                                 {"kg", 1, "kg"},
+                                 {"g", 1e-3, "kg"},
+                                 {"Pa", 1, "Pa"},
+                                 {"kPa", 1e3, "Pa"},
+                                 {"MPa", kMegapascal, "Pa"},
+                                 {"GPa", 1e9, "Pa"},
+                                 {"N", 1, "N"},
+                                 {"kN", 1e3, "N"},
+                                 {"Hz", 1, "Hz"},
+                                 {"kHz", 1e3, "Hz"}};
+
+// The units that the values of a range, or one value, are said with.
+std::vector<const Unit*> UnitsOf(const std::string& text) {
+  std::vector<const Unit*> said;
+  for (const absl::string_view value : absl::StrSplit(text, ':')) {
+    const absl::string_view whole = absl::StripAsciiWhitespace(value);
+    const auto number = DecimalNumberPrefix(std::string_view(whole.data(), whole.size()));
+    if (!number) continue;
+    const absl::string_view name = absl::StripAsciiWhitespace(whole.substr(number->length));
+    for (const Unit& unit : kMetricUnits) {
+      if (unit.name == name) said.push_back(&unit);
+    }
+  }
+  return said;
+}
 
 absl::StatusOr<double> ParseWithUnit(const std::string& text, const std::string& field,
                                      absl::Span<const Unit> units) {
@@ -90,6 +116,17 @@ absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string&
 absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field) {
   return ParseWithUnit(text, field, kMetricUnits);
 }
+
+absl::Status CheckUnit(const std::string& text, const std::string& unit, const std::string& field) {
+  for (const Unit* const said : UnitsOf(text)) {
+    if (said->si == unit) continue;
+    return InvalidField(field, absl::StrCat("'", said->name, "' is no unit of it: it is in ",
+                                            unit.empty() ? "1" : unit));
+  }
+  return absl::OkStatus();
+}
+
+bool HasUnit(const std::string& text) { return !UnitsOf(text).empty(); }
 
 absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option,
                                       ValueParser& parse) {

@@ -30,6 +30,14 @@ absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string&
 // force (N, kN) or a frequency (Hz, kHz) as unit, in SI.
 absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field);
 
+// Fails with INVALID_ARGUMENT naming `field` where `text`, a value that ParseMetricValue reads or a
+// range "LOW:HIGH" of such, is said with a unit that is none of `unit`, in SI: 18mm is no mass in
+// kg. What is said without a unit is in SI.
+absl::Status CheckUnit(const std::string& text, const std::string& unit, const std::string& field);
+
+// Returns whether such a text is said with a unit.
+bool HasUnit(const std::string& text);
+
 // What a metric or parameter shall keep to; either end may be missing, not both.
 struct NamedRange {
   std::string name;

@@ -93,6 +93,20 @@ absl::StatusOr<double> NumberOfChoice(const v1::DesignSpace& space, const std::s
   return InvalidField(source, absl::StrCat(space.subject(), " has no parameter '", parameter, "'"));
 }
 
+// What can be varied and asked of the subject.
+absl::StatusOr<v1::DesignSpace> Describe(const v1::MapSpecification& specification,
+                                         const GatewayClient& client) {
+  const auto stub = v1::EvaluatorService::NewStub(client.channel());
+  v1::DescribeDesignSpaceRequest describe;
+  describe.set_subject(specification.subject());
+  *describe.mutable_metric_definitions() = specification.metric_definitions();
+  v1::DesignSpace space;
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));
+  }));
+  return space;
+}
+
 absl::Status AddFixed(const std::string& text, const GatewayClient& client,
                       v1::MapSpecification& specification) {
   MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--fix"));
@@ -103,32 +117,41 @@ absl::Status AddFixed(const std::string& text, const GatewayClient& client,
     value.set_value(*number);
     return absl::OkStatus();
   }
-  const auto stub = v1::EvaluatorService::NewStub(client.channel());
-  v1::DescribeDesignSpaceRequest describe;
-  describe.set_subject(specification.subject());
-  v1::DesignSpace space;
-  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));
-  }));
+  MORTISE_ASSIGN_OR_RETURN(const v1::DesignSpace space, Describe(specification, client));
   MORTISE_ASSIGN_OR_RETURN(const double choice,
                            NumberOfChoice(space, assigned.first, assigned.second));
   value.set_value(choice);
   return absl::OkStatus();
 }
 
-absl::Status AddNoise(const std::string& text, v1::MapSpecification& specification) {
+// Whether a unit that is said is one of the metric; a metric that there is not is found out later.
+absl::Status CheckNoiseUnit(const std::string& metric, const std::string& value,
+                            const v1::MapSpecification& specification,
+                            const GatewayClient& client) {
+  if (!HasUnit(value)) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(const v1::DesignSpace space, Describe(specification, client));
+  for (const auto& known : space.metrics()) {
+    if (known.name() == metric) return CheckUnit(value, known.unit(), "--noise " + metric);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddNoise(const std::string& text, const GatewayClient& client,
+                      v1::MapSpecification& specification) {
   MORTISE_ASSIGN_OR_RETURN(const auto assigned, SplitAssignment(text, "--noise"));
   for (auto& metric : *specification.mutable_metrics()) {
     if (metric.name() != assigned.first) continue;
     MORTISE_ASSIGN_OR_RETURN(const double floor,
                              ParseMetricValue(assigned.second, "--noise " + assigned.first));
+    MORTISE_RETURN_IF_ERROR(CheckNoiseUnit(assigned.first, assigned.second, specification, client));
     metric.set_noise_floor(floor);
     return absl::OkStatus();
   }
   return InvalidField("--noise " + assigned.first, "is no metric of this map");
 }
 
-absl::Status AddMetrics(const BuildOptions& options, v1::MapSpecification& specification) {
+absl::Status AddMetrics(const BuildOptions& options, const GatewayClient& client,
+                        v1::MapSpecification& specification) {
   MORTISE_ASSIGN_OR_RETURN(*specification.mutable_metric_definitions(),
                            ParseMetricDefinitions(options.own));
   for (const std::string& name : options.metrics) specification.add_metrics()->set_name(name);
@@ -138,7 +161,7 @@ absl::Status AddMetrics(const BuildOptions& options, v1::MapSpecification& speci
     }
   }
   for (const std::string& text : options.noise) {
-    MORTISE_RETURN_IF_ERROR(AddNoise(text, specification));
+    MORTISE_RETURN_IF_ERROR(AddNoise(text, client, specification));
   }
   return absl::OkStatus();
 }
@@ -180,7 +203,7 @@ absl::StatusOr<v1::MapSpecification> Specification(const BuildOptions& options,
                                                    const GatewayClient& client) {
   v1::MapSpecification specification;
   specification.set_subject(ResourceName("templates", options.subject));
-  MORTISE_RETURN_IF_ERROR(AddMetrics(options, specification));
+  MORTISE_RETURN_IF_ERROR(AddMetrics(options, client, specification));
   MORTISE_RETURN_IF_ERROR(AddShape(options, specification));
   for (const std::string& text : options.vary) {
     MORTISE_RETURN_IF_ERROR(AddVariation(text, *specification.add_variations()));

@@ -51,6 +51,11 @@ absl::StatusOr<v1::OptimizeMapRequest> RequestOf(const OptimizeOptions& options,
   request.set_objective(request.maximize() ? options.maximize : options.minimize);
   for (const std::string& text : options.limit) {
     MORTISE_ASSIGN_OR_RETURN(const NamedRange range, ParseRange(text, "--limit"));
+    for (const v1::MapMetric& metric : map.metrics()) {
+      if (metric.name() != range.name) continue;
+      MORTISE_RETURN_IF_ERROR(
+          CheckUnit(text.substr(text.find('=') + 1), metric.unit(), "--limit " + range.name));
+    }
     v1::OptimizeMapRequest::Limit& limit = *request.add_limits();
     limit.set_metric(range.name);
     if (range.low) limit.set_minimum(*range.low);

@@ -182,6 +182,8 @@ class PlayedEvaluator final : public v1::EvaluatorService::Service {
   grpc::Status DescribeDesignSpace(grpc::ServerContext*, const v1::DescribeDesignSpaceRequest*,
                                    v1::DesignSpace* response) override {
     response->set_subject("templates/table");
+    response->add_metrics()->set_name("first");
+    response->mutable_metrics(0)->set_unit("kg");
     auto& material = *response->add_parameters();
     material.set_name("material");
     material.add_choices("oak");
@@ -344,6 +346,14 @@ TEST_F(MapCommands, ShapeWritesOneDesign) {
   EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=5", "--output", file}), "--at");
   EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=2", "--output", "design.obj"}),
             "--output");
+}
+
+TEST_F(MapCommands, UnitsAreThoseOfTheMetric) {
+  EXPECT_EQ(FieldOfRefusal({"build", "table", "--metric", "first", "--noise", "first=3mm"}),
+            "--noise first");
+  EXPECT_TRUE(interpolator_.builds.empty());
+  EXPECT_EQ(FieldOfRefusal({"optimize", "maps/m", "--minimize", "sum", "--limit", "first=:18mm"}),
+            "--limit first");
 }
 
 TEST_F(MapCommands, BuildNamesTheFlagThatIsAtFault) {

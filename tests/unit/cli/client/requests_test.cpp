@@ -70,6 +70,22 @@ TEST(Requests, LengthsAreDecimal) {
   EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
 }
 
+TEST(Requests, RefusesUnitsOfSomethingElse) {
+  for (const char* const text : {"18", "18kg", "500 g", ":2kg", "100g:", "1:2kg"}) {
+    EXPECT_TRUE(CheckUnit(text, "kg", "--limit mass").ok()) << text;
+  }
+  for (const char* const text : {"18mm", ":18 mm", "1kg:2MPa", "3Hz"}) {
+    const absl::Status status = CheckUnit(text, "kg", "--limit mass");
+    EXPECT_EQ(DetailOf(status).field, "--limit mass") << text;
+  }
+  EXPECT_EQ(CheckUnit("18mm", "kg", "--limit mass").message(),
+            "--limit mass: 'mm' is no unit of it: it is in kg");
+  EXPECT_FALSE(CheckUnit("2mm", "rad", "--limit tilt").ok());
+  EXPECT_FALSE(CheckUnit("2mm", "", "--limit ratio").ok());
+  EXPECT_FALSE(HasUnit("18:"));
+  EXPECT_TRUE(HasUnit(":18 mm"));
+}
+
 // What the command line makes of `--modes TEXT` and `--size TEXT`.
 struct Flags {
   int count = -1;
