@@ -70,8 +70,9 @@ void CheckNames(const v1::MapSpecification::ShapeChoice& shape, Faults& faults) 
   std::set<std::string> fields, regions;
   for (int i = 0; i < shape.fields_size(); ++i) {
     const std::string field = absl::StrCat("shape.fields[", i, "]");
-    CheckName(field + ".name", shape.fields(i).name(), fields, faults);
+    // Before the name: what is there is named before what is missing.
     faults.CheckRange(field + ".noise_floor", shape.fields(i).noise_floor(), 0.0, 1.0);
+    CheckName(field + ".name", shape.fields(i).name(), fields, faults);
   }
   for (int i = 0; i < shape.regions_size(); ++i) {
     CheckName(absl::StrCat("shape.regions[", i, "]"), shape.regions(i), regions, faults);
@@ -91,7 +92,7 @@ void CheckShape(const v1::MapSpecification& specification, Faults& faults) {
   if (shape.fields_size() <= kMaxFields && shape.regions_size() <= kMaxRegions) {
     CheckNames(shape, faults);
   }
-  // Last: what is there is named before what is missing.
+  // Last, for the same reason.
   if (shape.geometry() != v1::SURFACE && shape.geometry() != v1::TETRAHEDRA) {
     faults.AddField("shape.geometry", "must be SURFACE or TETRAHEDRA");
   }
