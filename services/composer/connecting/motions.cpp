@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "common/assembly/model/rest_pose.h"
@@ -19,6 +21,24 @@ using parametric::JointKind;
 
 constexpr double kParallel = 1 - 1e-6;  // cosine
 constexpr std::array<const char*, 6> kMoving{"drawer", "door", "lid", "flap", "hatch", "gate"};
+// Words of names whose last word is a part of what they name: "desk-with-drawer".
+constexpr std::array<const char*, 5> kOfMore{"with", "and", "for", "without", "no"};
+
+// The words of a name, in small letters.
+std::vector<std::string> WordsOf(const std::string& name) {
+  std::vector<std::string> words;
+  bool goes_on = false;
+  for (const char letter : name) {
+    const bool is_letter = absl::ascii_isalpha(static_cast<unsigned char>(letter));
+    if (is_letter && !goes_on) words.emplace_back();
+    if (is_letter) words.back().push_back(absl::ascii_tolower(static_cast<unsigned char>(letter)));
+    goes_on = is_letter;
+  }
+  return words;
+}
+
+}
+};
 
 bool Moves(const ElementConnection& connection, const Joint& joint, int principal) {
   return parametric::IsWithin(connection.assembly,
@@ -46,11 +66,14 @@ std::vector<int> FramesOf(const Design& design, const std::vector<PrincipalPart>
 }  // namespace
 
 bool IsMeantToMove(const std::string& name) {
-  const auto is_letter = [](char letter) { return absl::ascii_isalpha(letter); };
-  const auto last = std::find_if(name.rbegin(), name.rend(), is_letter);
-  const auto first = std::find_if_not(last, name.rend(), is_letter);
-  const std::string word = absl::AsciiStrToLower(std::string(first.base(), last.base()));
-  return std::find(kMoving.begin(), kMoving.end(), word) != kMoving.end();
+  const std::vector<std::string> words = WordsOf(name);
+  if (words.empty()) return false;
+  const auto is_one_of = [](const auto& list, const std::string& word) {
+    return std::find(list.begin(), list.end(), word) != list.end();
+  };
+  return is_one_of(kMoving, words.back()) &&
+         std::none_of(words.begin(), words.end(),
+                      [&](const std::string& word) { return is_one_of(kOfMore, word); });
 }
 
 const char* VerbOf(const WantedMotion& motion) {

@@ -15,7 +15,8 @@
 namespace mortise::composer {
 
 // Whether a group or part is to move by its name, our own: one that ends in "drawer", "door",
-// "lid", "flap", "hatch" or "gate", but for numbers: "left-door", "drawer 2"; not "door frame".
+// "lid", "flap", "hatch" or "gate", but for numbers: "left-door", "drawer 2"; not "door frame", nor
+// what has such a part beside others: "desk with drawer".
 bool IsMeantToMove(const std::string& name);
 
 // Which motion a connection must allow to what stands for one of its principals, against the other.

@@ -128,12 +128,19 @@ void Add(Severity severity, const char* rule, const std::string& why, const Held
 
 const char* VerbOf(JointKind kind) { return kind == JointKind::kPrismatic ? "slide" : "turn"; }
 
+// Whether a joint moves a group as a whole.
+bool MovesWith(const Assembly& assembly, int group) {
+  return std::any_of(assembly.joints.begin(), assembly.joints.end(), [&](const auto& joint) {
+    return parametric::IsWithin(assembly, group, joint.group);
+  });
+}
+
 // Whether a joint moves a group, or something in it.
 bool IsMoved(const Assembly& assembly, int group) {
-  return std::any_of(assembly.joints.begin(), assembly.joints.end(), [&](const auto& joint) {
-    return parametric::IsWithin(assembly, group, joint.group) ||
-           parametric::IsWithin(assembly, joint.group, group);
-  });
+  return MovesWith(assembly, group) ||
+         std::any_of(assembly.joints.begin(), assembly.joints.end(), [&](const auto& joint) {
+           return parametric::IsWithin(assembly, joint.group, group);
+         });
 }
 
 void JudgeNamed(const std::string& name, const Names& parts, const std::vector<Joint>& joints,
@@ -164,7 +171,7 @@ std::vector<Finding> JudgeMotion(const Assembly& drawn, const std::vector<Joint>
     JudgeNamed(its.name, PrincipalsIn(drawn, group), joints, findings);
   }
   for (const parametric::AssemblyPart& part : drawn.parts) {
-    if (part.connecting || !IsMeantToMove(part.name) || IsMoved(drawn, part.group)) continue;
+    if (part.connecting || !IsMeantToMove(part.name) || MovesWith(drawn, part.group)) continue;
     const bool is_in_named = std::any_of(named.begin(), named.end(), [&](int group) {
       return parametric::IsWithin(drawn, part.group, group);
     });

@@ -32,7 +32,8 @@ TEST(MotionsTest, NamesSayWhatIsToMove) {
   for (const char* name : {"drawer", "left door", "left-door", "Top Drawer 2", "lid", "flap 1.2"}) {
     EXPECT_TRUE(IsMeantToMove(name)) << name;
   }
-  for (const char* name : {"", "12", "drawer side 1", "door frame", "slide", "solid", "doors"}) {
+  for (const char* name : {"", "12", "drawer side 1", "door frame", "slide", "solid", "doors",
+                           "desk-with-drawer", "shelf with door 2", "hinge for lid"}) {
     EXPECT_FALSE(IsMeantToMove(name)) << name;
   }
 }

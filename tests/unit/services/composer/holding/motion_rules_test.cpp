@@ -103,6 +103,25 @@ TEST(MotionRulesTest, WhatIsCalledALidIsToMove) {
   EXPECT_THAT(JudgeMotion(Box("lid", false), {Held({})}), IsEmpty());
 }
 
+// That something else has a joint makes no difference to it.
+TEST(MotionRulesTest, ALidBesideADoorIsToMove) {
+  Assembly box = Box("lid", false);
+  box.parts.push_back(FixedPart("door", {0, -0.02, 0}, {0.5, 0, 0.5}));
+  box.groups.push_back({"front", 0});
+  box.parts[1] = FixedPart("lid", {0, 0, 0.5}, {0.5, 0.5, 0.52});
+  box.parts[2].group = 2;
+  parametric::Joint& joint = box.joints.emplace_back();
+  joint.name = "hinge";
+  joint.group = 2;
+  joint.axis = {0, 0, 1};
+  Joint held = Held({Upright("screw", FastenerKind::kScrew, 0.1, 0.1)});
+  held.principals[1].name = "lid";
+  const auto found = JudgeMotion(box, {held});
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].rule, kCannotMove);
+  EXPECT_THAT(found[0].text, HasSubstr("'lid'"));
+}
+
 // Experts drew them: all that is to move can.
 TEST(MotionRulesTest, NothingThatShipsIsHeldFast) {
   for (const std::string& id : parametric::ShippedAssemblyIds()) {
