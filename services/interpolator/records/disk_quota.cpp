@@ -34,6 +34,19 @@ absl::StatusOr<double> DiskQuota::Taken() {
 
 absl::Status DiskQuota::Build::Take(std::int64_t bytes) {
   const std::lock_guard lock(quota_->mutex_);
+  return TakeLocked(bytes);
+}
+
+absl::Status DiskQuota::Build::TakeFile(const std::string& digest, std::int64_t bytes) {
+  const std::lock_guard lock(quota_->mutex_);
+  if (files_.contains(digest)) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(TakeLocked(bytes));
+  files_.insert(digest);
+  return absl::OkStatus();
+}
+
+// The mutex is held by who calls it.
+absl::Status DiskQuota::Build::TakeLocked(std::int64_t bytes) {
   const auto more = static_cast<double>(bytes);
   MORTISE_ASSIGN_OR_RETURN(double taken, quota_->Taken());
   if (taken + more > quota_->quota_) {
@@ -58,26 +71,29 @@ absl::Status DiskQuota::Build::Take(std::int64_t bytes) {
 namespace {
 
 // Writes the bytes, also where a file of this name is there that is not what it was.
-absl::StatusOr<std::string> Write(store::BlobFolder& blobs, std::string_view bytes) {
-  const std::string digest = Sha256Hex(bytes);
+absl::Status Write(store::BlobFolder& blobs, const std::string& digest, std::string_view bytes) {
   if (absl::IsDataLoss(blobs.Get(digest).status())) MORTISE_RETURN_IF_ERROR(blobs.Remove(digest));
   MORTISE_RETURN_IF_ERROR(blobs.Put(bytes).status());
   // The same file may be there from a map that was deleted, and about to be removed.
-  MORTISE_RETURN_IF_ERROR(store::TouchBlob(blobs, digest));
-  return digest;
+  const absl::Status touched = store::TouchBlob(blobs, digest);
+  if (!absl::IsNotFound(touched)) return touched;
+  // It was removed just then. What is written anew stays.
+  return blobs.Put(bytes).status();
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> PutFile(store::BlobFolder& blobs, DiskQuota::Build& build,
                                     std::string_view bytes) {
-  MORTISE_RETURN_IF_ERROR(build.Take(static_cast<std::int64_t>(bytes.size())));
-  absl::StatusOr<std::string> digest = Write(blobs, bytes);
-  if (store::IsDiskFull(digest.status())) {
-    return WithDetail(absl::ResourceExhaustedError(
-                          absl::StrCat("the map cannot be stored: ", digest.status().message())),
-                      {"DISK_FULL", DetailOf(digest.status()).field});
+  std::string digest = Sha256Hex(bytes);
+  MORTISE_RETURN_IF_ERROR(build.TakeFile(digest, static_cast<std::int64_t>(bytes.size())));
+  const absl::Status written = Write(blobs, digest, bytes);
+  if (store::IsDiskFull(written)) {
+    return WithDetail(
+        absl::ResourceExhaustedError(absl::StrCat("the map cannot be stored: ", written.message())),
+        {"DISK_FULL", DetailOf(written).field});
   }
+  MORTISE_RETURN_IF_ERROR(written);
   return digest;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,12 +42,19 @@ class DiskQuota {
     // fit: then they do not count. Else fails as `bytes_of_maps`.
     absl::Status Take(std::int64_t bytes);
 
+    // The same of a file with this digest, which counts once however often it is written.
+    absl::Status TakeFile(const std::string& digest, std::int64_t bytes);
+
     // Returns how many have been counted.
     std::int64_t bytes() const;
 
    private:
+    absl::Status TakeLocked(std::int64_t bytes);
+
     DiskQuota* const quota_;
-    std::int64_t bytes_ = 0;  // guarded by the quota's mutex
+    // Guarded by the quota's mutex:
+    std::int64_t bytes_ = 0;
+    std::set<std::string> files_;  // digests of those counted
   };
 
  private:
@@ -60,7 +68,8 @@ class DiskQuota {
   std::optional<std::int64_t> of_maps_;  // as last read; nothing where they may have changed
 };
 
-// Stores a file of a build, whose bytes it takes of the quota first, and returns its digest.
+// Stores a file of a build, whose bytes it takes of the quota first (TakeFile), and returns its
+// digest.
 // RESOURCE_EXHAUSTED, DISK_QUOTA, or DISK_FULL where the disk has no room left; else fails as
 // BlobFolder::Put.
 absl::StatusOr<std::string> PutFile(store::BlobFolder& blobs, DiskQuota::Build& build,

@@ -54,7 +54,21 @@ TEST(DiskQuotaTest, PutsFilesAsTheyAreMeantToBe) {
   ASSERT_TRUE(absl::IsDataLoss(blobs->Get(digest).status()));
   EXPECT_EQ(PutFile(*blobs, build, "a shape").value(), digest);
   EXPECT_EQ(blobs->Get(digest).value(), "a shape");
-  EXPECT_TRUE(absl::IsResourceExhausted(PutFile(*blobs, build, std::string(87, 'x')).status()));
+  // It counts once, as often as it is put.
+  EXPECT_EQ(build.bytes(), 7);
+  EXPECT_TRUE(absl::IsResourceExhausted(PutFile(*blobs, build, std::string(94, 'x')).status()));
+}
+
+TEST(DiskQuotaTest, CountsFilesOfEarlierRunsOnce) {
+  DiskQuota quota(100, [] { return 0; });
+  DiskQuota::Build build(&quota);
+  EXPECT_TRUE(build.TakeFile("one", 60).ok());
+  EXPECT_TRUE(build.TakeFile("one", 60).ok());
+  EXPECT_FALSE(build.TakeFile("other", 60).ok());
+  // What was refused does not count.
+  EXPECT_FALSE(build.TakeFile("other", 60).ok());
+  EXPECT_TRUE(build.TakeFile("third", 40).ok());
+  EXPECT_EQ(build.bytes(), 100);
 }
 
 }  // namespace
