@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -117,12 +116,13 @@ class BuildRun {
 
   // The disk that an earlier run has taken.
   absl::Status CountKnown(const KnownShapes& known) {
-    std::map<std::string, std::int64_t> files;
-    for (const auto& [key, mesh] : known.meshes) files[mesh.digest] = mesh.bytes;
-    for (const auto& [key, shape] : known.shapes) files[shape.digest] = shape.bytes;
-    std::int64_t bytes = 0;
-    for (const auto& [digest, size] : files) bytes += size;
-    return disk_.Take(bytes);
+    for (const auto& [key, mesh] : known.meshes) {
+      MORTISE_RETURN_IF_ERROR(disk_.TakeFile(mesh.digest, mesh.bytes));
+    }
+    for (const auto& [key, shape] : known.shapes) {
+      MORTISE_RETURN_IF_ERROR(disk_.TakeFile(shape.digest, shape.bytes));
+    }
+    return absl::OkStatus();
   }
 
   // Whether another run takes this one's place: it was stopped by a shutdown or a takeover, and by
