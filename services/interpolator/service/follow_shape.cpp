@@ -4,8 +4,10 @@
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/base/errors.h"
+#include "common/rpc/server_limits.h"
 #include "services/interpolator/service/loaded_maps.h"
 #include "services/interpolator/service/map_queries.h"
 #include "services/interpolator/service/map_shape.h"
@@ -18,7 +20,7 @@ using Request = v1::FollowMapShapeRequest;
 using Writer = std::shared_ptr<rpc::StreamWriter<v1::MapShape>>;
 using Answer = absl::StatusOr<std::optional<v1::MapShape>>;
 
-// Of a mesh in one message: what is left is for the shape that comes with the last.
+// Of a mesh in one message.
 constexpr std::size_t kMeshPart = std::size_t{1} << 20;
 
 // What is followed, shared by who takes messages and who answers them.
@@ -72,23 +74,19 @@ class FollowedMap {
                              ShapeAt(*map_, *interpolator_.shapes, demand_, to.point(), scratch_));
     v1::MapShape& shape = answer.shape;
     shape.set_sequence(to.sequence());
-    if (!shape.uncovered() && std::pair(shape.structure(), shape.mesh()) != told_) {
-      told_ = {shape.structure(), shape.mesh()};
-      for (v1::MapMesh& part : MeshMessages(*answer.canonical, shape.structure(), shape.mesh(),
-                                            demand_.geometry, kMeshPart)) {
-        if (!part.more()) {
-          *shape.mutable_new_mesh() = std::move(part);
-          continue;
-        }
-        v1::MapShape& ahead = ready_.emplace_back();
-        ahead.set_sequence(to.sequence());
-        ahead.set_structure(shape.structure());
-        ahead.set_mesh(shape.mesh());
-        *ahead.mutable_new_mesh() = std::move(part);
-      }
+    if (shape.uncovered() || std::pair(shape.structure(), shape.mesh()) == told_) {
+      MORTISE_RETURN_IF_ERROR(CheckMessageSize(shape));
+      ready_.push_back(std::move(shape));
+      return absl::OkStatus();
     }
-    MORTISE_RETURN_IF_ERROR(CheckMessageSize(shape));
-    ready_.push_back(std::move(shape));
+    told_ = {shape.structure(), shape.mesh()};
+    std::vector<v1::MapMesh> mesh = MeshMessages(*answer.canonical, shape.structure(), shape.mesh(),
+                                                 demand_.geometry, kMeshPart);
+    for (v1::MapShape& message :
+         WithMesh(std::move(shape), std::move(mesh), rpc::kMaxMessageBytes)) {
+      MORTISE_RETURN_IF_ERROR(CheckMessageSize(message));
+      ready_.push_back(std::move(message));
+    }
     return absl::OkStatus();
   }
 
