@@ -21,13 +21,34 @@ std::size_t BytesOf(const Eigen::MatrixBase<Derived>& matrix) {
   return static_cast<std::size_t>(matrix.size()) * sizeof(typename Derived::Scalar);
 }
 
-// With what it was made of, which is as large again.
+std::size_t BytesOf(const std::vector<fields::Region>& regions) {
+  std::size_t bytes = 0;
+  for (const fields::Region& region : regions) bytes += sizeof(int) * region.triangles.size();
+  return bytes;
+}
+
+std::size_t BytesOf(const fields::DesignFields& design) {
+  std::size_t bytes =
+      BytesOf(design.nodes) + BytesOf(design.tetrahedra) + BytesOf(design.tetrahedron_part) +
+      BytesOf(design.triangles) + BytesOf(design.triangle_back) + BytesOf(design.triangle_front) +
+      BytesOf(design.regions) + sizeof(fields::ControlPoint) * design.control_points.size();
+  for (const fields::Path& path : design.paths) {
+    bytes += sizeof(path) + sizeof(int) * path.nodes.size();
+  }
+  for (const fields::ControlWay& way : design.ways) bytes += sizeof(way) + BytesOf(way.positions);
+  for (const fields::Field& field : design.fields) bytes += BytesOf(field.values);
+  return bytes;
+}
+
+// With what it was made of.
 std::size_t BytesOf(const CanonicalMesh& mesh) {
-  std::size_t regions = 0;
-  for (const fields::Region& region : mesh.regions) regions += region.triangles.size();
-  return 2 * (BytesOf(mesh.nodes) + BytesOf(mesh.tetrahedra) + BytesOf(mesh.tetrahedron_part) +
-              BytesOf(mesh.triangles) + BytesOf(mesh.triangle_part) +
-              BytesOf(mesh.inner_triangles) + sizeof(int) * regions);
+  std::size_t bytes = BytesOf(mesh.nodes) + BytesOf(mesh.tetrahedra) +
+                      BytesOf(mesh.tetrahedron_part) + BytesOf(mesh.triangles) +
+                      BytesOf(mesh.triangle_part) + BytesOf(mesh.inner_triangles) +
+                      BytesOf(mesh.inner_back) + BytesOf(mesh.inner_front) + BytesOf(mesh.regions) +
+                      sizeof(int) * mesh.given_node.size() + BytesOf(mesh.given);
+  for (const Eigen::MatrixXd& values : mesh.own_values) bytes += BytesOf(values);
+  return bytes;
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ void AddFields(const v1::DesignMap& map, const CanonicalMesh& canonical,
   }
 }
 
+// Reads which fields are wanted, in the order of the map.
 absl::StatusOr<std::vector<int>> ReadFields(
     const v1::DesignMap& map, const google::protobuf::RepeatedPtrField<std::string>& names,
     bool without_fields, v1::GeometryKind geometry) {
@@ -87,6 +88,7 @@ absl::StatusOr<std::vector<int>> ReadFields(
     if (chosen.size() > before) continue;
     return InvalidField(place, absl::StrCat("the map has no field '", names[i], "'"));
   }
+  std::ranges::sort(chosen);
   return chosen;
 }
 

@@ -38,7 +38,7 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
 // What is wanted of every shape.
 struct ShapeDemand {
   v1::GeometryKind geometry = v1::SURFACE;
-  std::vector<int> fields;   // of DesignMap.shapes.fields
+  std::vector<int> fields;   // of DesignMap.shapes.fields, in their order
   std::vector<int> metrics;  // of DesignMap.metrics
 };
 

@@ -129,6 +129,45 @@ TEST(MapShapeTest, GivesWhatIsAskedForAndNothingElse) {
   ExpectRefused(bars, asked, "point");
 }
 
+TEST(MapShapeTest, HasFieldsInTheOrderOfTheMap) {
+  StoredBars bars;
+  v1::EvaluateMapShapeRequest asked = At(0.5, 11);
+  asked.set_geometry(v1::TETRAHEDRA);
+  asked.add_fields("heat");
+  asked.add_fields("stress");
+  const v1::MapShape shape = Answer(bars, asked);
+  ASSERT_EQ(shape.fields_size(), 2);
+  EXPECT_EQ(shape.fields(0).name(), "stress");
+  EXPECT_EQ(shape.fields(0).error(), 2e4);
+  EXPECT_EQ(shape.fields(1).name(), "heat");
+  EXPECT_EQ(shape.fields(1).error(), 0.5);
+}
+
+TEST(MapShapeTest, CountsAllThatMeshesTakeInMemory) {
+  StoredBars bars;
+  const auto bytes_of = [&](const fields::DesignFields& design) {
+    const auto mesh = CanonicalMesh::Create(design);
+    EXPECT_TRUE(mesh.ok()) << mesh.status();
+    LoadedShapes loaded(&bars.blobs());
+    EXPECT_TRUE(loaded.Mesh(bars.blobs().Put(WriteMesh(*mesh).value()).value()).ok());
+    return loaded.bytes();
+  };
+  fields::DesignFields design = BarDesign(0.5, 11);
+  const std::size_t plain = bytes_of(design);
+  design.fields.push_back({"mode_shape", "1", "mode 1", fields::FieldPlace::kNodes,
+                           Eigen::MatrixXd::Constant(3, design.nodes.cols(), 0.5)});
+  const std::size_t with_mode = bytes_of(design);
+  EXPECT_GE(with_mode, plain + 3 * 8 * static_cast<std::size_t>(design.nodes.cols()));
+  design.control_points = {{"a", design.nodes.col(0), 0}, {"b", design.nodes.col(1), 1}};
+  fields::ControlWay way{"edge", 0, 1, Eigen::Matrix3Xd(3, 1000)};
+  for (int i = 0; i < 1000; ++i) {
+    way.positions.col(i) =
+        design.nodes.col(0) + i / 999.0 * (design.nodes.col(1) - design.nodes.col(0));
+  }
+  design.ways = {way};
+  EXPECT_GE(bytes_of(design), with_mode + 3 * 8 * 1000);
+}
+
 TEST(MapShapeTest, SaysWhereTheMapHasNothing) {
   StoredBars bars(3, /*is_cut_off=*/true);
   const v1::MapShape shape = Answer(bars, At(0.5, 11));
