@@ -74,6 +74,7 @@ absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lan
       if (options_.interrupt) options_.interrupt();
       if (shapes_) shapes_->Stop();
     }
+    if (shapes_) shapes_->Release();
     MORTISE_RETURN_IF_ERROR(FillLanes(known, lanes));
     if (IsIdle()) return absl::OkStatus();
     const bool is_asking = under_way_ > 0;
@@ -119,12 +120,20 @@ bool MapBuilding::HasMap() const {
                              [](const auto& structure) { return structure->Content().ok(); });
 }
 
-// Tells all that is known. What is asked meanwhile and not known waits to be evaluated.
+// Tells all that is known, round by round. What is asked meanwhile and not known waits to be
+// evaluated, and what is not known of shapes to be found out.
 absl::Status MapBuilding::Replay(const KnownAnswers& known) {
+  if (shapes_) shapes_->Hold();
   while (true) {
     MORTISE_ASSIGN_OR_RETURN(std::vector<Asked> batch, NextBatch(known));
-    if (batch.empty()) return absl::OkStatus();
-    waiting_.push_back(std::move(batch));
+    if (!batch.empty()) {
+      waiting_.push_back(std::move(batch));
+      continue;
+    }
+    if (shapes_ == nullptr || shapes_->IsHeldUp()) return absl::OkStatus();
+    if (const std::optional<Event> event = mailbox_.Take(kCancelPoll)) {
+      MORTISE_RETURN_IF_ERROR(Happen(*event));
+    }
   }
 }
 

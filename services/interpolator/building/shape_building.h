@@ -35,7 +35,10 @@ class ShapeBuilding {
   absl::Status GoOn();
   // Only keeps it.
   absl::Status Keep() { return work_.Keep(); }
-  // What is not begun is left.
+  // As ShapeWork's.
+  void Hold() { work_.Hold(); }
+  void Release() { work_.Release(); }
+  bool IsHeldUp() const { return work_.IsHeldUp(); }
   void Stop() { work_.Stop(); }
   bool IsIdle() const { return work_.under_way() == 0; }
 

@@ -63,18 +63,37 @@ absl::Status ShapeWork::CheckDesign(const std::string& digest, absl::Status& fau
   return absl::OkStatus();
 }
 
-// `work` runs on a thread and says what is to happen with what it has found out.
-void ShapeWork::Submit(const Name& name, std::function<Event()> work) {
+// `work` runs on a thread and says what is to happen with what it has found out. What is not known
+// yet waits while it is held.
+void ShapeWork::Submit(const Name& name, bool is_known, std::function<Event()> work) {
   if (is_stopped_ || !under_way_.insert(name).second) return;
   if (name.first == kShape) ++to_map_;
-  threads_.Submit([this, name, work = std::move(work)] {
+  std::function<void()> task = [this, name, work = std::move(work)] {
     Event event = is_stopped_ ? Event() : work();
     post_([this, name, event = std::move(event)] {
       under_way_.erase(name);
       if (name.first == kShape) --to_map_;
-      return event ? event() : absl::OkStatus();
+      const absl::Status status = event ? event() : absl::OkStatus();
+      // What is got or put may have been interrupted.
+      return is_stopped_ ? absl::OkStatus() : status;
     });
-  });
+  };
+  if (is_held_ && !is_known) {
+    held_.push_back(std::move(task));
+  } else {
+    threads_.Submit(std::move(task));
+  }
+}
+
+void ShapeWork::Release() {
+  is_held_ = false;
+  for (std::function<void()>& task : held_) threads_.Submit(std::move(task));
+  held_.clear();
+}
+
+void ShapeWork::Stop() {
+  is_stopped_ = true;
+  Release();
 }
 
 absl::StatusOr<const MadeMesh*> ShapeWork::Mesh(const MeshKey& key, std::int64_t number) {
@@ -91,16 +110,17 @@ absl::StatusOr<const MadeMesh*> ShapeWork::Mesh(const MeshKey& key, std::int64_t
   if (IsUnderWay({kMesh, {{key, 0}, 0}})) return nullptr;
   known.number = number;
   if (!known.status.ok()) return &(meshes_[key].known = known, meshes_[key]);
-  Submit({kMesh, {{key, 0}, 0}}, [this, key, known, file = FileOf(key.structure, number)] {
-    absl::StatusOr<MadeMesh> result = MakeMesh(known, file);
-    return Event([this, key, result = std::move(result)]() -> absl::Status {
-      MORTISE_RETURN_IF_ERROR(result.status());
-      meshes_[key] = *result;
-      if (!known_.meshes.contains(key)) fresh_.meshes[key] = result->known;
-      known_.meshes[key] = result->known;
-      return absl::OkStatus();
-    });
-  });
+  Submit({kMesh, {{key, 0}, 0}}, !known.digest.empty(),
+         [this, key, known, file = FileOf(key.structure, number)] {
+           absl::StatusOr<MadeMesh> result = MakeMesh(known, file);
+           return Event([this, key, result = std::move(result)]() -> absl::Status {
+             MORTISE_RETURN_IF_ERROR(result.status());
+             meshes_[key] = *result;
+             if (!known_.meshes.contains(key)) fresh_.meshes[key] = result->known;
+             known_.meshes[key] = result->known;
+             return absl::OkStatus();
+           });
+         });
   return nullptr;
 }
 
@@ -132,16 +152,17 @@ const KnownShape* ShapeWork::Shape(const ShapeKey& key) {
     return known;
   }
   if (IsUnderWay({kShape, {key, 0}})) return nullptr;
-  Submit({kShape, {key, 0}}, [this, key, file = FileOf(key.mesh.structure, key.number),
-                              mesh = meshes_.at(key.mesh).known.digest] {
-    absl::StatusOr<KnownShape> result = Bring(file, mesh);
-    return Event([this, key, result = std::move(result)]() -> absl::Status {
-      MORTISE_RETURN_IF_ERROR(result.status());
-      known_.shapes[key] = fresh_.shapes[key] = *result;
-      Count(key, *result);
-      return absl::OkStatus();
-    });
-  });
+  Submit({kShape, {key, 0}}, false,
+         [this, key, file = FileOf(key.mesh.structure, key.number),
+          mesh = meshes_.at(key.mesh).known.digest] {
+           absl::StatusOr<KnownShape> result = Bring(file, mesh);
+           return Event([this, key, result = std::move(result)]() -> absl::Status {
+             MORTISE_RETURN_IF_ERROR(result.status());
+             known_.shapes[key] = fresh_.shapes[key] = *result;
+             Count(key, *result);
+             return absl::OkStatus();
+           });
+         });
   return nullptr;
 }
 
@@ -193,7 +214,7 @@ const KnownDifference* ShapeWork::Difference(const DifferenceKey& key,
   for (const WeightedDesign& other : others) {
     weighted.emplace_back(known_.shapes.at({mesh, other.number}).digest, other.weight);
   }
-  Submit({kDifference, key},
+  Submit({kDifference, key}, false,
          [this, key, weighted = std::move(weighted), digest = meshes_.at(mesh).known.digest,
           file = FileOf(mesh.structure, key.shape.number),
           truth = known_.shapes.at(key.shape).digest] {

@@ -79,8 +79,13 @@ class ShapeWork {
 
   // Hands what has been found out since the last time to `keep`.
   absl::Status Keep();
-  // What is not begun is left.
-  void Stop() { is_stopped_ = true; }
+  // From now on only what is known is read, which is quick; all else waits until it is released.
+  void Hold() { is_held_ = true; }
+  void Release();
+  // Whether nothing more comes before it is released.
+  bool IsHeldUp() const { return under_way_.size() == held_.size(); }
+  // What is not begun is left, and failures do not count any more.
+  void Stop();
   // How much is under way or waits for a thread, and of that how many designs to be mapped.
   int under_way() const { return static_cast<int>(under_way_.size()); }
   std::int64_t to_map() const { return to_map_; }
@@ -95,7 +100,7 @@ class ShapeWork {
 
   bool IsUnderWay(const Name& name) const { return under_way_.contains(name); }
   void Count(const ShapeKey& key, const KnownShape& shape);
-  void Submit(const Name& name, std::function<Event()> work);
+  void Submit(const Name& name, bool is_known, std::function<Event()> work);
   absl::StatusOr<MadeMesh> MakeMesh(const KnownMesh& known, const std::string& design);
   absl::StatusOr<KnownShape> Bring(const std::string& design, const std::string& mesh);
   absl::StatusOr<KnownDifference> Compare(
@@ -113,6 +118,8 @@ class ShapeWork {
   KnownShapes fresh_;  // of that what is to be kept
   std::map<MeshKey, MadeMesh> meshes_;
   std::set<Name> under_way_;
+  bool is_held_ = false;
+  std::vector<std::function<void()>> held_;  // of what is under way
   std::set<ShapeKey> counted_;
   evaluation::FailureTally failures_;
   std::int64_t to_map_ = 0, mapped_ = 0, failed_ = 0;

@@ -244,6 +244,31 @@ TEST(ShapeBuildingTest, FindsOutNothingWhereAllIsKnown) {
   EXPECT_EQ(shelf.puts(), puts);
 }
 
+TEST(ShapeBuildingTest, HasAllThatIsKnownWhereItIsStoppedAtOnce) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(80, 1);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2, HoleBeyond);
+  Keeper keeper;
+  keeper.KeepFor(options);
+  const auto first = Built(plan, options);
+  const KnownAnswers answers = keeper.answers;
+  KnownShapes shapes = keeper.shapes;
+  options.cancelled = [] { return true; };
+  ExpectSame(*first, *Built(plan, options, answers, shapes));
+  options.cancelled = nullptr;
+  options.is_out_of_time = [] { return true; };
+  ExpectSame(*first, *Built(plan, options, answers, shapes));
+  options.is_out_of_time = nullptr;
+
+  // Nothing is found out before it is asked whether to stop.
+  shapes.differences.clear();
+  options.cancelled = [] { return true; };
+  options.shapes->put = [](const std::string&) { return absl::InternalError("not to be called"); };
+  const auto stopped = Built(plan, options, answers, shapes);
+  EXPECT_EQ(stopped->ReasonOf(0), StopReason::kCancelled);
+  EXPECT_EQ(stopped->progress().to_map, 0);
+}
+
 // Whatever the moment, what there is belongs together.
 TEST(ShapeBuildingTest, HasShapesOfAllElementsWhereverItIsStopped) {
   FileShelf shelf;

@@ -95,6 +95,36 @@ TEST(ShapeFailuresTest, EndsWhereFilesCannotBePutOrReadOrKept) {
   })));
 }
 
+// Files come from the evaluator, so they cannot be got any more after it has been interrupted.
+TEST(ShapeFailuresTest, HasAMapOfWhatWasSampledWhereStoppingInterruptsFiles) {
+  const MapPlan plan = BlockPlan(80, 1);
+  for (const int threads : {1, 3}) {
+    FileShelf shelf;
+    BuildOptions options = BlockOptions(plan, shelf, 2, 3, threads);
+    options.shapes->memory = 0;
+    Keeper keeper;
+    keeper.KeepFor(options);
+    std::atomic<bool> is_enough = false, is_interrupted = false;
+    options.cancelled = [&] {
+      if (keeper.shapes.differences.size() >= 20) is_enough = true;
+      return is_enough.load();
+    };
+    options.interrupt = [&] {
+      is_interrupted = true;
+      is_interrupted.notify_all();
+    };
+    options.shapes->get =
+        [&, get = options.shapes->get](const std::string& digest) -> absl::StatusOr<std::string> {
+      if (!is_enough) return get(digest);
+      is_interrupted.wait(false);
+      return absl::CancelledError("interrupted");
+    };
+    const auto building = Built(plan, options);
+    EXPECT_EQ(building->ReasonOf(0), StopReason::kCancelled);
+    EXPECT_FALSE(ShapesOf(*building).meshes.empty());
+  }
+}
+
 TEST(ShapeFailuresTest, AsksAgainWhereAKnownAnswerHasNoShape) {
   FileShelf shelf;
   const MapPlan plan = BlockPlan(40, 1);
