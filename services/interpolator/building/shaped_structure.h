@@ -34,8 +34,8 @@ struct ShapedStructure {
     std::vector<Spread> fields{};  // SI units, in the order of `fields`
   };
 
-  std::vector<Mesh> meshes;  // those that elements have; the same fields in all of them
-  std::vector<FieldKind> fields;
+  std::vector<Mesh> meshes;        // those that elements have; the same fields in all of them
+  std::vector<FieldKind> fields;   // none where all elements have been cut off from the start
   std::vector<FieldRange> ranges;  // of each field: what was sampled
   // In the order of the content's RefinementTree::Elements: the canonical mesh of each, an index
   // into `meshes`; -1 of what is cut off. And its errors; zeros of what is cut off.

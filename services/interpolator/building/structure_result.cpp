@@ -42,9 +42,10 @@ absl::StatusOr<ShapedStructure> StructureShapes::Result() const {
                            maps::RefinementTree::Replay(content.dimension, content.basis,
                                                         content.options, content.splits));
   ShapedStructure result;
-  result.fields = fields_;
+  // A round that is not complete may be the first to have any.
+  if (!complete_ranges_.empty()) result.fields = fields_;
   result.ranges = complete_ranges_;
-  const ShapedStructure::Errors none{.fields = std::vector<Spread>(fields_.size())};
+  const ShapedStructure::Errors none{.fields = std::vector<Spread>(result.fields.size())};
   result.largest = result.mean = none;
   std::map<int, int> places;  // of its meshes among those of the result
   std::set<DifferenceKey> probes;

@@ -284,6 +284,7 @@ TEST(ShapeBuildingTest, HasShapesOfAllElementsWhereverItIsStopped) {
       continue;
     }
     const ServedShapes served(*building, shelf);
+    EXPECT_EQ(served.structure().ranges.size(), served.structure().fields.size());
     Random random(3);
     for (int n = 0; n < 50; ++n) {
       const Eigen::Vector2d point(random.Uniform(), random.Uniform());
@@ -291,6 +292,27 @@ TEST(ShapeBuildingTest, HasShapesOfAllElementsWhereverItIsStopped) {
       EXPECT_GT(served.At(point).node_count(), 0);
     }
   }
+}
+
+// The first round cuts all off, and the second is stopped where it has a mesh and no ranges yet.
+TEST(ShapeBuildingTest, HasNoFieldsBeforeARoundHasThemAll) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(80, 0);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2, HoleBeyond);
+  Keeper keeper;
+  keeper.KeepFor(options);
+  Built(plan, options);
+  const KnownAnswers answers = keeper.answers;
+  KnownShapes shapes = keeper.shapes;
+  shapes.differences.clear();
+  options.cancelled = [] { return true; };
+  const auto building = Built(plan, options, answers, shapes);
+  const ShapedStructure structure = ShapesOf(*building);
+  EXPECT_THAT(structure.element_mesh, testing::Each(-1));
+  EXPECT_TRUE(structure.fields.empty());
+  EXPECT_TRUE(structure.ranges.empty());
+  EXPECT_TRUE(structure.largest.fields.empty());
+  EXPECT_TRUE(structure.mean.fields.empty());
 }
 
 }  // namespace
