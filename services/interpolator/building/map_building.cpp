@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/building/guarded.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -149,7 +150,9 @@ absl::Status MapBuilding::FillLanes(const KnownAnswers& known, ThreadPool& lanes
     if (batch.empty()) return absl::OkStatus();
     ++under_way_;
     lanes.Submit([this, batch = std::move(batch)] {
-      mailbox_.Put([this, answered = Evaluate(batch)] { return Receive(answered); });
+      mailbox_.Put([this, answered = Guarded([&] { return Evaluate(batch); })] {
+        return Receive(answered);
+      });
     });
   }
   return absl::OkStatus();

@@ -63,7 +63,7 @@ struct BuildProgress {
   int meshes = 0;             // canonical ones
   std::int64_t shapes = 0;    // designs brought into them, each into one mesh
   std::int64_t to_map = 0;    // designs that are still to be, as far as is known
-  std::int64_t unmapped = 0;  // that could not be, likewise
+  std::int64_t unmapped = 0;  // that could not be, likewise, or that no mesh could be made of
   std::vector<evaluation::FailureCount> unmapped_failures;  // why; without the designs
 };
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/building/guarded.h"
 #include "services/interpolator/shapes/blend.h"
 #include "services/interpolator/shapes/shape_file.h"
 
@@ -27,6 +28,13 @@ MadeMesh Described(KnownMesh known, const ReadyMesh& ready) {
   made.trait_nodes = static_cast<std::int64_t>(ready.traits.nodes.size());
   made.trait_elements = static_cast<std::int64_t>(ready.traits.elements.size());
   return made;
+}
+
+// Whether a design itself is why it has no mesh or is in none, and not the machine or the moment:
+// its topology, its file, or numbers that nothing can be computed with.
+bool IsOfDesign(const absl::Status& status) {
+  return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
+         absl::IsInternal(status);
 }
 
 double SizeOf(const Eigen::Matrix3Xd& nodes) {
@@ -69,7 +77,14 @@ void ShapeWork::Submit(const Name& name, bool is_known, std::function<Event()> w
   if (is_stopped_ || !under_way_.insert(name).second) return;
   if (name.first == kShape) ++to_map_;
   std::function<void()> task = [this, name, work = std::move(work)] {
-    Event event = is_stopped_ ? Event() : work();
+    Event event;
+    if (!is_stopped_) {
+      const absl::Status status = Guarded([&work, &event] {
+        event = work();
+        return absl::OkStatus();
+      });
+      if (!status.ok()) event = [status] { return status; };
+    }
     post_([this, name, event = std::move(event)] {
       under_way_.erase(name);
       if (name.first == kShape) --to_map_;
@@ -109,13 +124,19 @@ absl::StatusOr<const MadeMesh*> ShapeWork::Mesh(const MeshKey& key, std::int64_t
   }
   if (IsUnderWay({kMesh, {{key, 0}, 0}})) return nullptr;
   known.number = number;
-  if (!known.status.ok()) return &(meshes_[key].known = known, meshes_[key]);
+  if (!known.status.ok()) {
+    CountFailure(known.status);
+    MadeMesh& failed = meshes_[key];
+    failed.known = known;
+    return &failed;
+  }
   Submit({kMesh, {{key, 0}, 0}}, !known.digest.empty(),
          [this, key, known, file = FileOf(key.structure, number)] {
            absl::StatusOr<MadeMesh> result = MakeMesh(known, file);
            return Event([this, key, result = std::move(result)]() -> absl::Status {
              MORTISE_RETURN_IF_ERROR(result.status());
              meshes_[key] = *result;
+             if (!result->known.status.ok()) CountFailure(result->known.status);
              if (!known_.meshes.contains(key)) fresh_.meshes[key] = result->known;
              known_.meshes[key] = result->known;
              return absl::OkStatus();
@@ -129,8 +150,10 @@ absl::StatusOr<MadeMesh> ShapeWork::MakeMesh(const KnownMesh& known, const std::
   made.known = known;
   if (known.digest.empty()) {
     MORTISE_ASSIGN_OR_RETURN(const auto read, store_.Design(design));
-    const absl::StatusOr<CanonicalMesh> mesh = CanonicalMesh::Create(*read);
+    const absl::StatusOr<CanonicalMesh> mesh =
+        Guarded([&read] { return CanonicalMesh::Create(*read); });
     made.known.status = mesh.status();
+    if (!mesh.ok() && !IsOfDesign(mesh.status())) return mesh.status();
     if (!mesh.ok()) return made;
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, WriteMesh(*mesh));
     MORTISE_ASSIGN_OR_RETURN(made.known.digest, store_.Put(bytes));
@@ -168,18 +191,27 @@ const KnownShape* ShapeWork::Shape(const ShapeKey& key) {
 
 void ShapeWork::Count(const ShapeKey& key, const KnownShape& shape) {
   if (!counted_.insert(key).second) return;
-  ++(shape.status.ok() ? mapped_ : failed_);
-  if (shape.status.ok()) return;
-  failures_.Add({DetailOf(shape.status).reason, shape.status.code(),
-                 std::string(shape.status.message()), Eigen::VectorXd()});
+  if (shape.status.ok()) {
+    ++mapped_;
+  } else {
+    CountFailure(shape.status);
+  }
+}
+
+void ShapeWork::CountFailure(const absl::Status& status) {
+  ++failed_;
+  failures_.Add(
+      {DetailOf(status).reason, status.code(), std::string(status.message()), Eigen::VectorXd()});
 }
 
 absl::StatusOr<KnownShape> ShapeWork::Bring(const std::string& design, const std::string& mesh) {
   MORTISE_ASSIGN_OR_RETURN(const auto read, store_.Design(design));
   MORTISE_ASSIGN_OR_RETURN(const auto ready, store_.Mesh(mesh));
   KnownShape known;
-  const absl::StatusOr<BroughtShape> brought = ready->prepared.Bring(*read);
+  const absl::StatusOr<BroughtShape> brought =
+      Guarded([&ready, &read] { return ready->prepared.Bring(*read); });
   known.status = brought.status();
+  if (!brought.ok() && !IsOfDesign(brought.status())) return brought.status();
   if (!brought.ok()) return known;
   const int elements = ready->mesh().element_count();
   if (brought->inverted > options_.most_inverted * elements) {

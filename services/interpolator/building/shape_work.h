@@ -91,7 +91,7 @@ class ShapeWork {
   std::int64_t to_map() const { return to_map_; }
   std::int64_t mapped() const { return mapped_; }
   std::int64_t failed() const { return failed_; }
-  // Why designs could not be brought into meshes; without the designs.
+  // Why designs could not be brought into meshes, nor meshes be made of them; without the designs.
   const std::vector<evaluation::FailureCount>& failures() const { return failures_.failures(); }
 
  private:
@@ -100,6 +100,7 @@ class ShapeWork {
 
   bool IsUnderWay(const Name& name) const { return under_way_.contains(name); }
   void Count(const ShapeKey& key, const KnownShape& shape);
+  void CountFailure(const absl::Status& status);
   void Submit(const Name& name, bool is_known, std::function<Event()> work);
   absl::StatusOr<MadeMesh> MakeMesh(const KnownMesh& known, const std::string& design);
   absl::StatusOr<KnownShape> Bring(const std::string& design, const std::string& mesh);

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <new>
+#include <stdexcept>
 
 #include "common/fields/fields_file.h"
 #include "tests/unit/services/interpolator/building/built_shapes.h"
@@ -123,6 +125,95 @@ TEST(ShapeFailuresTest, HasAMapOfWhatWasSampledWhereStoppingInterruptsFiles) {
     EXPECT_EQ(building->ReasonOf(0), StopReason::kCancelled);
     EXPECT_FALSE(ShapesOf(*building).meshes.empty());
   }
+}
+
+TEST(ShapeFailuresTest, SaysWhyNoMeshCanBeMade) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(40, 1);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+  options.shapes->fields.clear();
+  options.evaluate = [&](const std::vector<Eigen::VectorXd>& designs)
+      -> absl::StatusOr<std::vector<DesignAnswer>> {
+    std::vector<DesignAnswer> answers;
+    for (const Eigen::VectorXd& design : designs) {
+      // What two parts have between them, and no outside.
+      fields::DesignFields inside;
+      inside.nodes = (1 + design.sum()) * Eigen::Matrix3d::Identity();
+      inside.tetrahedra.resize(4, 0);
+      inside.triangles = Eigen::Vector3i(0, 1, 2);
+      inside.triangle_back = Eigen::VectorXi::Constant(1, 0);
+      inside.triangle_front = Eigen::VectorXi::Constant(1, 1);
+      inside.parts = {"one", "other"};
+      DesignAnswer& answer = answers.emplace_back();
+      answer.values = Eigen::VectorXd::Constant(1, design.sum());
+      answer.file = shelf.Put(fields::WriteFields(inside).value()).value();
+    }
+    return answers;
+  };
+  Keeper keeper;
+  keeper.KeepFor(options);
+  const auto expect_reasons = [](const MapBuilding& building) {
+    EXPECT_THAT(ShapesOf(building).element_mesh, testing::Each(-1));
+    const BuildProgress progress = building.progress();
+    EXPECT_EQ(progress.failed, 0);
+    EXPECT_GT(progress.unmapped, 0);
+    ASSERT_EQ(progress.unmapped_failures.size(), 1U);
+    EXPECT_EQ(progress.unmapped_failures[0].count, progress.unmapped);
+    EXPECT_THAT(progress.unmapped_failures[0].message, HasSubstr("on the outside"));
+  };
+  const auto first = Built(plan, options);
+  expect_reasons(*first);
+  const KnownAnswers answers = keeper.answers;
+  const KnownShapes shapes = keeper.shapes;
+  const auto again = Built(plan, options, answers, shapes);
+  expect_reasons(*again);
+  EXPECT_EQ(again->progress().unmapped, first->progress().unmapped);
+}
+
+// Want of memory tells nothing of a design's topology, and must not be kept as if it did.
+TEST(ShapeFailuresTest, EndsWhereThereIsTooLittleMemoryToMap) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(40, 0);
+  BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2, [](const Eigen::VectorXd& design) {
+    FormulaBlock block = PlainBlock(design);
+    block.cells = design[0] > 0.6 ? 4 : 3;
+    return block;
+  });
+  options.shapes->mapping.volume.memory_limit = 1;
+  Keeper keeper;
+  keeper.KeepFor(options);
+  const absl::Status status = MapBuilding::Create(plan, options).value()->Run({});
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  for (const auto& [key, shape] : keeper.shapes.shapes) EXPECT_TRUE(shape.status.ok());
+}
+
+TEST(ShapeFailuresTest, EndsWhereWorkThrows) {
+  const MapPlan plan = BlockPlan(40, 0);
+  const auto run = [&plan](const std::function<void(BuildOptions&)>& spoil) {
+    FileShelf shelf;
+    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+    spoil(options);
+    return MapBuilding::Create(plan, options).value()->Run({});
+  };
+  const absl::Status of_lane = run([](BuildOptions& options) {
+    options.evaluate = [](const auto&) -> absl::StatusOr<std::vector<DesignAnswer>> {
+      throw std::runtime_error("no answer");
+    };
+  });
+  EXPECT_TRUE(absl::IsInternal(of_lane)) << of_lane;
+  EXPECT_THAT(of_lane.message(), HasSubstr("no answer"));
+  const absl::Status of_shapes = run([](BuildOptions& options) {
+    options.shapes->put = [](const std::string&) -> absl::StatusOr<std::string> {
+      throw std::runtime_error("no disk");
+    };
+  });
+  EXPECT_TRUE(absl::IsInternal(of_shapes)) << of_shapes;
+  EXPECT_THAT(of_shapes.message(), HasSubstr("no disk"));
+  EXPECT_TRUE(absl::IsResourceExhausted(run([](BuildOptions& options) {
+    options.shapes->put = [](const std::string&) -> absl::StatusOr<std::string> {
+      throw std::bad_alloc();
+    };
+  })));
 }
 
 TEST(ShapeFailuresTest, AsksAgainWhereAKnownAnswerHasNoShape) {
