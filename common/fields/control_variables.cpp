@@ -121,6 +121,14 @@ mesh::FacedSurface OuterFaces(const DesignFields& design) {
   return outer;
 }
 
+// Whether a design may have so many.
+bool AreFew(const mesh::ControlVariables& variables) {
+  Eigen::Index positions = 0;
+  for (const mesh::ControlVariables::Path& path : variables.paths) positions += path.way.cols();
+  return std::ssize(variables.points) <= kMaximumControls &&
+         std::ssize(variables.paths) <= kMaximumControls && positions <= kMaximumPositions;
+}
+
 }  // namespace
 
 double ControlSpacing(const Eigen::Matrix3Xd& nodes) {
@@ -131,6 +139,7 @@ double ControlSpacing(const Eigen::Matrix3Xd& nodes) {
 void SetControlVariables(const mesh::ControlVariables& variables, DesignFields& design) {
   design.control_points.clear();
   design.ways.clear();
+  if (!AreFew(variables)) return;
   std::vector<int> kept;  // of each point, its number among those that are kept; else -1
   for (const mesh::ControlVariables::Point& point : variables.points) {
     const bool is_kept = point.name.size() <= kMaximumNameLength;

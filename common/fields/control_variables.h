@@ -12,8 +12,8 @@ namespace mortise::fields {
 // diagonal of their box.
 double ControlSpacing(const Eigen::Matrix3Xd& nodes);
 
-// Gives the design these points and ways, without what has a name longer than kMaximumNameLength.
-// A point's node is its `vertex`.
+// Gives the design these points and ways, without what has a name longer than kMaximumNameLength,
+// and none at all where they are more than a design may have. A point's node is its `vertex`.
 void SetControlVariables(const mesh::ControlVariables& variables, DesignFields& design);
 
 // Returns the control points, ways and paths of a design that passes Check. `vertex` of a point is

@@ -28,9 +28,16 @@ absl::Status CheckOwnName(const std::string& name, const std::string& field, Nam
   return InvalidField(field, absl::StrCat("'", name, "' is there twice"));
 }
 
-absl::Status CheckCount(Eigen::Index count, const char* field) {
-  if (count <= kMaximumCount) return absl::OkStatus();
-  return InvalidField(field, absl::StrCat("has more than ", kMaximumCount, " entries"));
+absl::Status CheckCount(Eigen::Index count, const std::string& field, int most = kMaximumCount) {
+  if (count <= most) return absl::OkStatus();
+  return InvalidField(field, absl::StrCat("has more than ", most, " entries"));
+}
+
+// Of a list that is one of several, which had `before` entries together before this one.
+absl::Status CheckTotal(Eigen::Index before, Eigen::Index count, const std::string& field) {
+  if (count <= kMaximumPositions - before) return absl::OkStatus();
+  return InvalidField(
+      field, absl::StrCat("is more than the ", kMaximumPositions, " that all may have together"));
 }
 
 // Whether all of the indices are of `count` things.
@@ -101,6 +108,8 @@ absl::Status CheckRegions(const DesignFields& design) {
 }
 
 absl::Status CheckControlPoints(const DesignFields& design) {
+  MORTISE_RETURN_IF_ERROR(
+      CheckCount(std::ssize(design.control_points), "control_points", kMaximumControls));
   std::set<std::string_view> ids;
   for (std::size_t i = 0; i < design.control_points.size(); ++i) {
     const ControlPoint& point = design.control_points[i];
@@ -114,12 +123,16 @@ absl::Status CheckControlPoints(const DesignFields& design) {
 }
 
 absl::Status CheckPaths(const DesignFields& design) {
+  MORTISE_RETURN_IF_ERROR(CheckCount(std::ssize(design.paths), "paths", kMaximumControls));
   std::set<std::string_view> ids;
+  Eigen::Index total = 0;
   for (std::size_t i = 0; i < design.paths.size(); ++i) {
     const Path& path = design.paths[i];
     const std::string field = Entry("paths", i);
     MORTISE_RETURN_IF_ERROR(CheckOwnName(path.id, field + ".id", ids));
     if (path.nodes.size() < 2) return InvalidField(field + ".nodes", "must be at least two");
+    MORTISE_RETURN_IF_ERROR(CheckTotal(total, std::ssize(path.nodes), field + ".nodes"));
+    total += std::ssize(path.nodes);
     for (const int node : path.nodes) {
       if (node >= 0 && node < design.nodes.cols()) continue;
       return InvalidField(field + ".nodes", "names a node that is not there");
@@ -129,7 +142,9 @@ absl::Status CheckPaths(const DesignFields& design) {
 }
 
 absl::Status CheckWays(const DesignFields& design) {
+  MORTISE_RETURN_IF_ERROR(CheckCount(std::ssize(design.ways), "ways", kMaximumControls));
   const auto points = std::ssize(design.control_points);
+  Eigen::Index total = 0;
   for (std::size_t i = 0; i < design.ways.size(); ++i) {
     const ControlWay& way = design.ways[i];
     const std::string field = Entry("ways", i);
@@ -139,7 +154,8 @@ absl::Status CheckWays(const DesignFields& design) {
       if (end >= 0 && end < points) continue;
       return InvalidField(field + name, "is a control point that is not there");
     }
-    MORTISE_RETURN_IF_ERROR(CheckCount(way.positions.cols(), "ways"));
+    MORTISE_RETURN_IF_ERROR(CheckTotal(total, way.positions.cols(), field + ".positions"));
+    total += way.positions.cols();
     if (way.positions.cols() >= 2 && way.positions.allFinite()) continue;
     return InvalidField(field + ".positions", "must be at least two, and finite");
   }

@@ -15,6 +15,8 @@ namespace mortise::fields {
 inline constexpr int kMaximumCount = 2'000'000'000;      // of nodes, triangles, tetrahedra
 inline constexpr std::size_t kMaximumNameLength = 4096;  // bytes
 inline constexpr int kMaximumComponents = 100;           // of a field
+inline constexpr int kMaximumControls = 100'000;         // of control points, ways, paths, each
+inline constexpr int kMaximumPositions = 1'000'000;      // of all ways; likewise nodes of all paths
 
 // Some of the triangles, by a name that persists from design to design.
 struct Region {

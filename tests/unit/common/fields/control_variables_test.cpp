@@ -77,6 +77,21 @@ TEST(ControlVariablesTest, PathsByNodesAreCutAtPointsAndSampled) {
   }
 }
 
+TEST(ControlVariablesTest, MoreThanADesignMayHaveAreNone) {
+  mesh::ControlVariables variables;
+  variables.points.resize(2);
+  variables.points[0].name = "V1";
+  variables.points[1].name = "V2";
+  variables.paths.resize(kMaximumControls, {"E", 0, 1, Eigen::Matrix3Xd::Zero(3, 2)});
+  DesignFields design = TwoTetrahedra();
+  SetControlVariables(variables, design);
+  EXPECT_EQ(std::ssize(design.ways), kMaximumControls);
+  variables.paths.push_back(variables.paths.front());
+  SetControlVariables(variables, design);
+  EXPECT_TRUE(design.ways.empty());
+  EXPECT_TRUE(design.control_points.empty());
+}
+
 // A file may have anything: the same way twice, or names as samples get.
 TEST(ControlVariablesTest, NoTwoPointsHaveOneName) {
   DesignFields design = TwoTetrahedra();

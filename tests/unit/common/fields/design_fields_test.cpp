@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,16 @@ TEST(DesignFieldsTest, ASoundDesignPasses) {
   surface.tetrahedron_part.resize(0);
   surface.fields.pop_back();  // that of the elements
   EXPECT_EQ(Check(surface), absl::OkStatus());
+}
+
+TEST(DesignFieldsTest, AsManyControlsPassAsThereMayBe) {
+  DesignFields design = TwoTetrahedra();
+  while (std::ssize(design.control_points) < kMaximumControls) {
+    design.control_points.push_back({"more " + std::to_string(design.control_points.size())});
+  }
+  design.ways[1].positions.setZero(3, kMaximumPositions - 3);
+  design.paths.push_back({"E2", std::vector<int>(kMaximumPositions - 4, 0)});
+  EXPECT_EQ(Check(design), absl::OkStatus());
 }
 
 TEST(DesignFieldsTest, EveryFaultIsNamed) {
@@ -58,6 +69,25 @@ TEST(DesignFieldsTest, EveryFaultIsNamed) {
       {"ways[1].to", [](auto& design) { design.ways[1].to = -1; }},
       {"ways[0].positions", [](auto& design) { design.ways[0].positions.resize(3, 1); }},
       {"ways[0].positions", [](auto& design) { design.ways[0].positions(2, 1) = kNan; }},
+      {"control_points",
+       [](auto& design) {
+         for (int i = 0; i < kMaximumControls; ++i) {
+           design.control_points.push_back({"more " + std::to_string(i)});
+         }
+       }},
+      {"paths",
+       [](auto& design) {
+         for (int i = 0; i < kMaximumControls; ++i) {
+           design.paths.push_back({"more " + std::to_string(i), {0, 1}});
+         }
+       }},
+      {"paths[1].nodes",
+       [](auto& design) {
+         design.paths.push_back({"E2", std::vector<int>(kMaximumPositions - 3, 0)});
+       }},
+      {"ways", [](auto& design) { design.ways.resize(kMaximumControls + 1, design.ways.front()); }},
+      {"ways[1].positions",
+       [](auto& design) { design.ways[1].positions.setZero(3, kMaximumPositions - 2); }},
       {"fields[0].name", [](auto& design) { design.fields[0].name.clear(); }},
       {"fields[1]", [](auto& design) { design.fields[1].load_case = "own weight"; }},
       {"fields[2].values", [](auto& design) { design.fields[2].place = FieldPlace::kNodes; }},
