@@ -11,7 +11,7 @@ import { readPack } from "./packed_numbers.mjs";
 import { holdTime, isSelfTest, runSelfTest } from "./self_test.mjs";
 import { ShapePanel } from "./shape_panel.mjs";
 import { coverageAlong, makeSlices, sliceAlong } from "./slices.mjs";
-import { SurfaceShapes } from "./surface_shapes.mjs";
+import { roundingOf, SurfaceShapes } from "./surface_shapes.mjs";
 
 const faults = [];
 window.addEventListener("error", (event) => fail(event.message));
@@ -172,8 +172,10 @@ function describe(map) {
     for (const { count, message } of map.failures) note(`${count} × ${message}`, "failure");
   }
   if (map.shapes) {
+    const described = map.structures.map(({ shapes }) => shapes).filter(Boolean);
+    const rounding = map.shapes.rounding + roundingOf(described);
     note(`Shapes were off at most ${quantity(map.shapes.largestError, shownUnit("m"), 2)} at the map's probes; ` +
-      `positions are rounded by ${quantity(map.shapes.rounding, shownUnit("m"), 1)}` +
+      `positions are rounded by ${quantity(rounding, shownUnit("m"), 2)} at most` +
       `${map.shapes.designs ? ` (${digits(map.shapes.designs)} shapes)` : ""}.`);
   }
   const reasons = map.failures.map(({ message }) => message);

@@ -4,6 +4,13 @@
 
 import { unfoldSteps } from "./packed_numbers.mjs";
 
+// How far steps move a node at most, m: half the diagonal of one, in the mesh with the largest box.
+// descriptions: what the page says of the shapes of each structure.
+export function roundingOf(descriptions) {
+  const meshes = descriptions.flatMap((description) => description.meshes);
+  return Math.max(0, ...meshes.map(({ step }) => Math.hypot(...step) / 2));
+}
+
 export class SurfaceShapes {
   // description: what the page says of a structure's shapes; lists: of its pack.
   constructor(description, lists) {

@@ -10,7 +10,7 @@ import { designAsCsv, designAsJson } from "../../../../cli/explore/page/download
 import { MapTree } from "../../../../cli/explore/page/map_tree.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "../../../../cli/explore/page/number_format.mjs";
 import { unfoldSteps } from "../../../../cli/explore/page/packed_numbers.mjs";
-import { edgesOf, mostOf, scalarsOf, smoothNormals } from "../../../../cli/explore/page/surface_shapes.mjs";
+import { edgesOf, mostOf, roundingOf, scalarsOf, smoothNormals } from "../../../../cli/explore/page/surface_shapes.mjs";
 
 const PARAMETERS = [
   { name: "material", unit: "", minimum: 0, maximum: 2, whole: true, choices: ["oak", "ash", "a&b=c"] },
@@ -124,6 +124,12 @@ test("colours are even around zero where numbers lie on both sides", () => {
   const [low, high] = rangeOf(5, 5, false);
   assert.ok(low < high);
   assert.deepEqual([...colourRow(false).slice(0, 4)], [0x44, 0x01, 0x54, 255]);
+});
+
+test("positions are rounded by half a step of the coarsest mesh", () => {
+  const of = (...steps) => ({ meshes: steps.map((step) => ({ step })) });
+  assert.equal(roundingOf([of([2, 4, 4], [0, 0, 0]), of([0, 3, 4])]), 3);
+  assert.equal(roundingOf([]), 0);
 });
 
 test("the camera sees all of a box from all around", () => {
