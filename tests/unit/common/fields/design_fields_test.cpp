@@ -15,6 +15,19 @@
 namespace mortise::fields {
 namespace {
 
+using Faults = std::vector<std::pair<std::string, std::function<void(DesignFields&)>>>;
+
+// Each, made in a sound design, is refused by the name of its place.
+void ExpectNamed(const Faults& faults) {
+  for (const auto& [field, make] : faults) {
+    DesignFields design = TwoTetrahedra();
+    make(design);
+    const absl::Status status = Check(design);
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << field;
+    EXPECT_EQ(DetailOf(status).field, field) << status;
+  }
+}
+
 TEST(DesignFieldsTest, ASoundDesignPasses) {
   EXPECT_EQ(Check(TwoTetrahedra()), absl::OkStatus());
   DesignFields surface = TwoTetrahedra();
@@ -36,7 +49,7 @@ TEST(DesignFieldsTest, AsManyControlsPassAsThereMayBe) {
 
 TEST(DesignFieldsTest, EveryFaultIsNamed) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::pair<std::string, std::function<void(DesignFields&)>>> faults = {
+  const Faults faults = {
       {"nodes", [](auto& design) { design.nodes(1, 2) = kNan; }},
       {"parts[1]", [](auto& design) { design.parts[1] = "leg"; }},
       {"parts[0]", [](auto& design) { design.parts[0].clear(); }},
@@ -69,6 +82,17 @@ TEST(DesignFieldsTest, EveryFaultIsNamed) {
       {"ways[1].to", [](auto& design) { design.ways[1].to = -1; }},
       {"ways[0].positions", [](auto& design) { design.ways[0].positions.resize(3, 1); }},
       {"ways[0].positions", [](auto& design) { design.ways[0].positions(2, 1) = kNan; }},
+      {"fields[0].name", [](auto& design) { design.fields[0].name.clear(); }},
+      {"fields[1]", [](auto& design) { design.fields[1].load_case = "own weight"; }},
+      {"fields[2].values", [](auto& design) { design.fields[2].place = FieldPlace::kNodes; }},
+      {"fields[0].values", [](auto& design) { design.fields[0].values.setZero(0, 5); }},
+      {"fields[0].values", [](auto& design) { design.fields[0].values(2, 4) = kNan; }},
+  };
+  ExpectNamed(faults);
+}
+
+TEST(DesignFieldsTest, TooManyControlsAreNamed) {
+  const Faults faults = {
       {"control_points",
        [](auto& design) {
          for (int i = 0; i < kMaximumControls; ++i) {
@@ -88,19 +112,8 @@ TEST(DesignFieldsTest, EveryFaultIsNamed) {
       {"ways", [](auto& design) { design.ways.resize(kMaximumControls + 1, design.ways.front()); }},
       {"ways[1].positions",
        [](auto& design) { design.ways[1].positions.setZero(3, kMaximumPositions - 2); }},
-      {"fields[0].name", [](auto& design) { design.fields[0].name.clear(); }},
-      {"fields[1]", [](auto& design) { design.fields[1].load_case = "own weight"; }},
-      {"fields[2].values", [](auto& design) { design.fields[2].place = FieldPlace::kNodes; }},
-      {"fields[0].values", [](auto& design) { design.fields[0].values.setZero(0, 5); }},
-      {"fields[0].values", [](auto& design) { design.fields[0].values(2, 4) = kNan; }},
   };
-  for (const auto& [field, make] : faults) {
-    DesignFields design = TwoTetrahedra();
-    make(design);
-    const absl::Status status = Check(design);
-    EXPECT_TRUE(absl::IsInvalidArgument(status)) << field;
-    EXPECT_EQ(DetailOf(status).field, field) << status;
-  }
+  ExpectNamed(faults);
 }
 
 }  // namespace
