@@ -103,6 +103,9 @@ Json DocumentOf(const v1::MapShape& shape, const std::string& file) {
 
 absl::Status Write(const ShapeOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(const ShapeFormat format, ShapeFormatOf(options.output.string()));
+  if (format == ShapeFormat::kStl && !options.fields.empty()) {
+    return InvalidField("--field", "a .stl has no fields: write a .vtu");
+  }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   MORTISE_ASSIGN_OR_RETURN(const v1::DesignMap map, GetMap(*client, options.map));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<double> point, ParseMapPoint(map, options.at, "--at"));
@@ -115,7 +118,8 @@ absl::Status Write(const ShapeOptions& options, Session& session, Output& output
   begin.set_without_fields(format == ShapeFormat::kStl);
   MORTISE_ASSIGN_OR_RETURN(const v1::MapShape shape, Follow(request, point, *client));
   if (shape.uncovered()) {
-    return InvalidField("--at", "lies where evaluations failed: the map has no shape there");
+    return InvalidField(
+        "--at", absl::StrCat("lies where ", WhyNoValues(map), ": the map has no shape there"));
   }
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, WriteShapeFile(map, shape, format));
   MORTISE_RETURN_IF_ERROR(WriteFile(options.output, bytes));

@@ -113,6 +113,14 @@ Json VerificationOf(const v1::DesignMap& map) {
   return {{"points", map.verification().points()}, {"differences", std::move(differences)}};
 }
 
+Json FailuresOf(const google::protobuf::RepeatedPtrField<v1::MapFailure>& failures) {
+  Json list = Json::array();
+  for (const v1::MapFailure& failure : failures) {
+    list.push_back({{"count", failure.count()}, {"message", failure.message()}});
+  }
+  return list;
+}
+
 // What the page says of the map.
 Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Field>& fields,
                    bool with_shapes) {
@@ -145,10 +153,9 @@ Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Fi
                                {"minimum", metric.minimum()},
                                {"maximum", metric.maximum()}});
   }
-  page["failures"] = Json::array();
-  for (const v1::MapFailure& failure : map.failures()) {
-    page["failures"].push_back({{"count", failure.count()}, {"message", failure.message()}});
-  }
+  page["failures"] = FailuresOf(map.failures());
+  page["unmapped"] = map.shapes().unmapped();
+  page["unmappedFailures"] = FailuresOf(map.shapes().unmapped_failures());
   page["fields"] = Json::array();
   for (const v1::MapShapes::Field& field : fields) {
     page["fields"].push_back({{"name", field.name()},

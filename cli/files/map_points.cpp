@@ -95,7 +95,16 @@ class Point {
   std::vector<std::optional<double>> values_;
 };
 
+// Whether a column has a metric of the map or its error, as pages of maps save them.
+bool IsOfMetric(const v1::DesignMap& map, const std::string& column) {
+  return std::ranges::any_of(map.metrics(), [&](const v1::MapMetric& metric) {
+    return column == absl::StrCat(metric.name(), " [", metric.unit(), "]") ||
+           column == absl::StrCat(metric.name(), " error [", metric.unit(), "]");
+  });
+}
+
 absl::StatusOr<std::vector<double>> RowOf(const v1::DesignMap& map, const parametric::CsvRow& names,
+                                          const std::vector<bool>& is_passed_over,
                                           const parametric::CsvRow& row,
                                           const std::string& origin) {
   const auto place = [&](const parametric::CsvCell& cell) {
@@ -103,6 +112,7 @@ absl::StatusOr<std::vector<double>> RowOf(const v1::DesignMap& map, const parame
   };
   Point point(map, place(row.front()));
   for (std::size_t i = 0; i < names.size(); ++i) {
+    if (is_passed_over[i]) continue;
     MORTISE_RETURN_IF_ERROR(point.Set(Trimmed(names[i].text), Trimmed(row[i].text), place(row[i])));
   }
   return point.Finish();
@@ -160,8 +170,15 @@ absl::StatusOr<std::vector<double>> ParseMapPoints(const v1::DesignMap& map, std
     faults.push_back({absl::StrCat(origin, ": ", finding.field), finding.message});
   }
   std::vector<double> numbers;
+  std::vector<bool> is_passed_over;
+  if (!csv.rows.empty()) {
+    for (const parametric::CsvCell& name : csv.rows[0]) {
+      is_passed_over.push_back(IsOfMetric(map, Trimmed(name.text)));
+    }
+  }
   for (std::size_t i = 1; i < csv.rows.size() && faults.size() < kMostFaults; ++i) {
-    absl::StatusOr<std::vector<double>> point = RowOf(map, csv.rows[0], csv.rows[i], origin);
+    absl::StatusOr<std::vector<double>> point =
+        RowOf(map, csv.rows[0], is_passed_over, csv.rows[i], origin);
     if (!point.ok()) {
       const std::vector<FieldViolation> found = AllViolationsOf(point.status());
       faults.insert(faults.end(), found.begin(), found.end());

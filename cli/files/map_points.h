@@ -19,8 +19,9 @@ absl::StatusOr<std::vector<double>> ParseMapPoint(const v1::DesignMap& map, cons
                                                   const std::string& source);
 
 // Returns the designs of a table of comma-separated values, one after the other: a row each, under
-// the names of the parameters. INVALID_ARGUMENT naming each place in `origin` that is at fault:
-// "points.csv: line 3, column 2".
+// the names of the parameters. Columns of the map's metrics and their errors, "mass [kg]" and "mass
+// error [kg]", as pages of maps save them, are passed over. INVALID_ARGUMENT naming each place in
+// `origin` that is at fault: "points.csv: line 3, column 2".
 absl::StatusOr<std::vector<double>> ParseMapPoints(const v1::DesignMap& map, std::string_view table,
                                                    const std::string& origin);
 

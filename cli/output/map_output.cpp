@@ -112,6 +112,13 @@ void PrintStructures(const v1::DesignMap& map, const Output& output) {
   output.Table({"structure", "samples", "probes", "elements", "cut off", "stopped by"}, rows);
 }
 
+void PrintUnmapped(const v1::DesignMap& map, const Output& output) {
+  for (const v1::MapFailure& failure : map.shapes().unmapped_failures()) {
+    output.Line(absl::StrFormat("  %d times a design was not brought into a mesh, %s: %s",
+                                failure.count(), failure.reason(), failure.message()));
+  }
+}
+
 void PrintFailures(const v1::DesignMap& map, const Output& output) {
   for (const v1::MapFailure& failure : map.failures()) {
     std::vector<std::string> design;
@@ -124,8 +131,8 @@ void PrintFailures(const v1::DesignMap& map, const Output& output) {
                                 failure.reason(), absl::StrJoin(design, ", "), failure.message()));
   }
   if (map.cut_off_elements() > 0) {
-    output.Line(absl::StrFormat("  %d of %d elements have no values, as evaluations failed there",
-                                map.cut_off_elements(), map.elements()));
+    output.Line(absl::StrFormat("  %d of %d elements have no values, as %s there",
+                                map.cut_off_elements(), map.elements(), WhyNoValues(map)));
   }
 }
 
@@ -147,6 +154,13 @@ void PrintGradients(const v1::DesignMap& map, const v1::EvaluateMapResponse& ans
 
 }  // namespace
 
+std::string WhyNoValues(const v1::DesignMap& map) {
+  const char* const kUnmapped = "shapes could not be brought into one mesh";
+  if (map.shapes().unmapped() == 0) return "evaluations failed";
+  if (map.failures().empty()) return kUnmapped;
+  return absl::StrCat("evaluations failed or ", kUnmapped);
+}
+
 void PrintMap(const v1::DesignMap& map, const Output& output) {
   output.Line(absl::StrFormat(
       "%s of %s at revision %d: %d samples and %d probes (%d failed), %d elements, stopped by %s",
@@ -158,6 +172,7 @@ void PrintMap(const v1::DesignMap& map, const Output& output) {
   PrintMetrics(map, output);
   PrintShapes(map, output);
   PrintStructures(map, output);
+  PrintUnmapped(map, output);
   PrintFailures(map, output);
   PrintVerification(map, output);
 }
@@ -174,6 +189,12 @@ void PrintVerification(const v1::DesignMap& map, const Output& output) {
   output.Line(absl::StrFormat("verified at %d designs (%d failed, %d without values in the map)",
                               verification.points(), verification.failed(),
                               verification.uncovered()));
+  if (verification.unmapped() > 0) {
+    output.Line(
+        absl::StrFormat("  %d of them could not be brought into the map's mesh: their shapes are "
+                        "compared, no fields",
+                        verification.unmapped()));
+  }
   Rows rows;
   for (const v1::MapVerification::Difference& difference : verification.differences()) {
     std::string unit;
@@ -213,7 +234,7 @@ void PrintPoints(const v1::DesignMap& map, const std::vector<double>& points,
   output.Table(titles, rows);
   if (!uncovered.empty()) {
     output.Line(
-        absl::StrCat(uncovered.size(), " without values: they lie where evaluations failed"));
+        absl::StrCat(uncovered.size(), " without values: they lie where ", WhyNoValues(map)));
   }
   PrintGradients(map, answer, output);
 }

@@ -1,10 +1,17 @@
 // Maps as people read them.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "cli/client/output.h"
 #include "mortise/v1/interpolator.pb.h"
 
 namespace mortise::cli {
+
+// Returns what came about where the map has no values, as the end of a sentence: "evaluations
+// failed".
+std::string WhyNoValues(const v1::DesignMap& map);
 
 // Prints what a map is of, how good it is, and why designs failed.
 void PrintMap(const v1::DesignMap& map, const Output& output);

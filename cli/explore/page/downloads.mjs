@@ -18,8 +18,8 @@ function csvCell(text) {
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-// A head line and one of numbers: parameters under their names (as `mortise map evaluate --file` reads
-// them), then each metric and its error.
+// A head line and one of numbers: parameters under their names, then each metric and its error with
+// their unit, which `mortise map evaluate --file` passes over.
 export function designAsCsv(map, space, values, answer) {
   const cells = space.parameters.map((p, i) => [p.name, p.choices[values[i]] ?? String(values[i])]);
   map.metrics.forEach((metric, m) => {

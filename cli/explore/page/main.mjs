@@ -6,6 +6,7 @@ import { makeControls, makeMetrics } from "./design_panel.mjs";
 import { copy, designAsCsv, designAsJson, download } from "./downloads.mjs";
 import { byId, element } from "./elements.mjs";
 import { MapTree } from "./map_tree.mjs";
+import { causesOf, reasonsOf, whyNoValues } from "./missing_values.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
 import { readPack } from "./packed_numbers.mjs";
 import { holdTime, isSelfTest, runSelfTest } from "./self_test.mjs";
@@ -168,8 +169,8 @@ function describe(map) {
         `${quantity(largest, shownUnit(unit), 2)} of ${spoken(metric)}`).join(", "));
   }
   if (map.cutOff > 0) {
-    note(`No values in ${map.cutOff} of ${map.elements} parts of the space (shaded), where evaluations failed:`);
-    for (const { count, message } of map.failures) note(`${count} × ${message}`, "failure");
+    note(`No values in ${map.cutOff} of ${map.elements} parts of the space (shaded), where ${causesOf(map)}:`);
+    for (const { count, message } of reasonsOf(map)) note(`${count} × ${message}`, "failure");
   }
   if (map.shapes) {
     const described = map.structures.map(({ shapes }) => shapes).filter(Boolean);
@@ -178,9 +179,7 @@ function describe(map) {
       `positions are rounded by ${quantity(rounding, shownUnit("m"), 2)} at most` +
       `${map.shapes.designs ? ` (${digits(map.shapes.designs)} shapes)` : ""}.`);
   }
-  const reasons = map.failures.map(({ message }) => message);
-  byId("no-values-why").textContent = reasons.length > 0 ? `Evaluations failed around this design, as: ${reasons[0]}`
-    : "Evaluations failed around this design.";
+  byId("no-values-why").textContent = whyNoValues(map);
 }
 
 async function start() {

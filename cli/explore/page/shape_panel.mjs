@@ -100,7 +100,6 @@ export class ShapePanel {
     this.structure = structure;
     this.element = place === null ? -1 : structure.tree.locate(place);
     this.shape = place === null ? null : structure.shapes.at(structure.tree, place);
-    byId("no-shape").hidden = place === null || this.shape !== null;
     this.update();
   }
 

@@ -34,13 +34,14 @@ export class SurfaceShapes {
     }
   }
 
-  // The shape at a place of the map's tree: {mesh, parts: [[sample's steps, weight]]}; null where a
-  // sample around it has none in the mesh of the element.
+  // The shape at a place of the map's tree: {mesh, parts: [[sample's steps, weight]]}. Where the
+  // map has values, each sample around has a shape in the mesh of the element.
   at(tree, place) {
     const number = tree.arrays.meshes[tree.locate(place)];
     const mesh = this.meshes.find((one) => one.number === number);
     const parts = tree.weightsAt(place).map(([sample, weight]) => [mesh?.samples.get(sample), weight]);
-    return parts.some(([sample]) => !sample) ? null : { mesh, parts };
+    if (parts.some(([sample]) => !sample)) throw new Error("the page lacks a shape around this design");
+    return { mesh, parts };
   }
 
   // x, y, z of each node, m.

@@ -52,6 +52,14 @@ v1::DesignMap KnownMap() {
   map.mutable_shapes()->set_geometry(v1::SURFACE);
   map.mutable_shapes()->set_meshes(1);
   map.mutable_shapes()->set_shapes(9);
+  map.set_elements(8);
+  map.set_cut_off_elements(3);
+  map.mutable_shapes()->set_unmapped(2);
+  auto& unmapped = *map.mutable_shapes()->add_unmapped_failures();
+  unmapped.set_reason("TOPOLOGY");
+  unmapped.set_count(4);
+  unmapped.set_message("it has a hole more");
+  map.mutable_verification()->set_unmapped(6);
   auto& field = *map.mutable_shapes()->add_fields();
   field.set_name("stress");
   field.set_unit("Pa");
@@ -329,6 +337,21 @@ TEST_F(MapCommands, ShowPrintsShapesAndHowFarTheyAreOff) {
   EXPECT_THAT(shown, HasSubstr("stress, pull"));
   EXPECT_THAT(shown, HasSubstr("stress, pull, of its range"));
   EXPECT_THAT(shown, HasSubstr("0.0625"));
+  EXPECT_THAT(shown, HasSubstr("6 of them could not be brought into the map's mesh"));
+}
+
+// Of this map no evaluation failed.
+TEST_F(MapCommands, WhereThereAreNoValuesTheyAreSaidToLackForShapes) {
+  const std::string shown = Print({"show", "maps/m"});
+  EXPECT_THAT(shown, HasSubstr("3 of 8 elements have no values, as shapes could not be brought"));
+  EXPECT_THAT(shown, HasSubstr("4 times"));
+  EXPECT_THAT(shown, HasSubstr("it has a hole more"));
+  EXPECT_THAT(Print({"evaluate", "m", "--at", "a=1,b=4.5"}),
+              HasSubstr("they lie where shapes could not be brought"));
+  const absl::Status refusal =
+      Refusal({"shape", "maps/m", "--at", "a=1,b=5", "--output", "never.stl"});
+  EXPECT_EQ(DetailOf(refusal).field, "--at");
+  EXPECT_THAT(refusal.message(), HasSubstr("lies where shapes could not be brought"));
 }
 
 TEST_F(MapCommands, ShapeWritesOneDesign) {
@@ -346,6 +369,9 @@ TEST_F(MapCommands, ShapeWritesOneDesign) {
   EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=5", "--output", file}), "--at");
   EXPECT_EQ(FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=2", "--output", "design.obj"}),
             "--output");
+  EXPECT_EQ(
+      FieldOfRefusal({"shape", "maps/m", "--at", "a=1,b=2", "--output", file, "--field", "stress"}),
+      "--field");
 }
 
 TEST_F(MapCommands, UnitsAreThoseOfTheMetric) {

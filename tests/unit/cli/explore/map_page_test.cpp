@@ -31,6 +31,8 @@ TEST(MapPageTest, SaysWhatTheMapIsOf) {
   v1::MapFailure& failure = *map.add_failures();
   failure.set_count(3);
   failure.set_message("it falls over");
+  map.mutable_shapes()->set_unmapped(2);
+  map.mutable_shapes()->add_unmapped_failures()->set_message("it has a hole");
   const auto page = MapPage(map, {OneElement()});
   ASSERT_TRUE(page.ok()) << page.status();
   const Json written = MapOf(*page);
@@ -38,6 +40,8 @@ TEST(MapPageTest, SaysWhatTheMapIsOf) {
   EXPECT_EQ(written["parameters"][1]["name"], "waist");
   EXPECT_EQ(written["metrics"][0]["maximum"], 3);
   EXPECT_EQ(written["failures"][0]["message"], "it falls over");
+  EXPECT_EQ(written["unmapped"], 2);
+  EXPECT_EQ(written["unmappedFailures"][0]["message"], "it has a hole");
   EXPECT_EQ(written["structures"].size(), 1u);
   EXPECT_FALSE(written["structures"][0].contains("shapes"));
   EXPECT_THAT(*page, HasSubstr("id=\"pack-0\""));
@@ -61,6 +65,23 @@ TEST(MapPageTest, NeedsNothingFromElsewhere) {
   // base64 they are no larger than they were.
   EXPECT_LT(page.size(), 4u * 1922 * 8 * 2 + 100'000);
   EXPECT_EQ(MapOf(page)["fields"].size(), 3u);
+}
+
+// Errors of fields come in the map's order, whatever order the fields themselves come in.
+TEST(MapPageTest, FieldsAreInTheOrderOfTheMap) {
+  ExportedStructure structure = OneElement();
+  AddVases(structure);
+  for (v1::MapExportPart::Sample& sample : structure.samples) {
+    sample.mutable_fields()->SwapElements(0, 2);
+  }
+  v1::DesignMap map = VaseMap();
+  *map.mutable_shapes() = VaseShapes();
+  const Json written = MapOf(MapPage(map, {structure}).value());
+  ASSERT_EQ(written["fields"].size(), 3u);
+  for (int f = 0; f < 3; ++f) {
+    EXPECT_EQ(written["fields"][static_cast<std::size_t>(f)]["name"],
+              map.shapes().fields(f).name());
+  }
 }
 
 TEST(MapPageTest, TextsOfOthersCannotChangeThePage) {

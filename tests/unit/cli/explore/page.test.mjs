@@ -7,6 +7,7 @@ import { rangeOf, colourRow } from "../../../../cli/explore/page/colour_scale.mj
 import { Camera } from "../../../../cli/explore/page/camera.mjs";
 import { DesignSpace, readHash, writeHash } from "../../../../cli/explore/page/design_state.mjs";
 import { designAsCsv, designAsJson } from "../../../../cli/explore/page/downloads.mjs";
+import { causesOf, reasonsOf, whyNoValues } from "../../../../cli/explore/page/missing_values.mjs";
 import { MapTree } from "../../../../cli/explore/page/map_tree.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "../../../../cli/explore/page/number_format.mjs";
 import { unfoldSteps } from "../../../../cli/explore/page/packed_numbers.mjs";
@@ -77,6 +78,21 @@ test("a tree is interpolated, and has no values where it is cut off", () => {
   assert.equal(tree.evaluate([1]), null);
 });
 
+test("why there are no values is told of evaluations and of shapes", () => {
+  const failures = [{ count: 4, message: "the neck closes" }];
+  const unmappedFailures = [{ count: 2, message: "has a hole more" }];
+  const failed = { failures, unmapped: 0, unmappedFailures: [] };
+  assert.equal(causesOf(failed), "evaluations failed");
+  assert.equal(whyNoValues(failed), "Around this design evaluations failed, as: the neck closes");
+  const unmapped = { failures: [], unmapped: 3, unmappedFailures };
+  assert.equal(causesOf(unmapped), "shapes could not be brought into one mesh");
+  assert.deepEqual(reasonsOf(unmapped), unmappedFailures);
+  assert.match(whyNoValues(unmapped), /^Around this design shapes .*, as: has a hole more$/);
+  const both = { failures, unmapped: 3, unmappedFailures: [] };
+  assert.equal(causesOf(both), "evaluations failed or shapes could not be brought into one mesh");
+  assert.deepEqual(reasonsOf(both).map(({ count }) => count), [4, 3]);
+});
+
 test("steps unfold to what was folded", () => {
   // Differences 1, −1, 32767 and 3 of numbers 1 apart.
   const bytes = Uint8Array.from([2, 1, 254, 6, 0, 0, 255, 0]);
@@ -111,6 +127,12 @@ test("fields become one number of each node", () => {
   assert.deepEqual(mostOf(Float32Array.from([-1e6, ...Array.from({ length: 399 }, (_, i) => i), 1e6])), [1, 397]);
 });
 
+test("positions are rounded by half a step of the coarsest mesh", () => {
+  const of = (...steps) => ({ meshes: steps.map((step) => ({ step })) });
+  assert.equal(roundingOf([of([2, 4, 4], [0, 0, 0]), of([0, 3, 4])]), 3);
+  assert.equal(roundingOf([]), 0);
+});
+
 test("a surface has the normals and edges of its triangles", () => {
   const positions = Float32Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]);
   const triangles = Uint32Array.from([0, 1, 2, 0, 2, 3]);
@@ -124,12 +146,6 @@ test("colours are even around zero where numbers lie on both sides", () => {
   const [low, high] = rangeOf(5, 5, false);
   assert.ok(low < high);
   assert.deepEqual([...colourRow(false).slice(0, 4)], [0x44, 0x01, 0x54, 255]);
-});
-
-test("positions are rounded by half a step of the coarsest mesh", () => {
-  const of = (...steps) => ({ meshes: steps.map((step) => ({ step })) });
-  assert.equal(roundingOf([of([2, 4, 4], [0, 0, 0]), of([0, 3, 4])]), 3);
-  assert.equal(roundingOf([]), 0);
 });
 
 test("the camera sees all of a box from all around", () => {

@@ -77,6 +77,18 @@ TEST(MapPoints, AreTheRowsOfATable) {
   EXPECT_THAT(points, ElementsAre(0.2, 0, 0.3, 1));
 }
 
+TEST(MapPoints, AreReadFromWhatPagesSave) {
+  v1::DesignMap map = Map();
+  map.add_metrics()->set_name("mass");
+  map.mutable_metrics(0)->set_unit("kg");
+  const std::string table =
+      "width,material,mass [kg],mass error [kg]\r\n0.25,birch,1.5,1e-7\r\n0.3,oak,,\r\n";
+  ASSERT_OK_AND_ASSIGN(const auto points, ParseMapPoints(map, table, "design.csv"));
+  EXPECT_THAT(points, ElementsAre(0.25, 1, 0.3, 0));
+  EXPECT_THAT(ParseMapPoints(map, "width,material,cost [kg]\n0.2,oak,1\n", "").status().message(),
+              HasSubstr("no parameter 'cost [kg]'"));
+}
+
 TEST(MapPoints, TellEachPlaceThatIsAtFault) {
   const absl::Status status =
       ParseMapPoints(Map(), "width,material\n0.2,oak\n0.3,pine\nwide,oak\n0.3\n", "p.csv").status();
