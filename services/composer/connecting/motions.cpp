@@ -37,9 +37,6 @@ std::vector<std::string> WordsOf(const std::string& name) {
   return words;
 }
 
-}
-};
-
 bool Moves(const ElementConnection& connection, const Joint& joint, int principal) {
   return parametric::IsWithin(connection.assembly,
                               connection.elements[static_cast<std::size_t>(principal)].group,
