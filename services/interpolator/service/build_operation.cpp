@@ -184,6 +184,26 @@ class BuildRun {
     return options;
   }
 
+  // Whether the map would have a value anywhere.
+  static bool Answers(const std::vector<maps::MapContent>& contents) {
+    return std::ranges::any_of(contents, [](const maps::MapContent& content) {
+      return std::ranges::count(content.cut_off, 0) > 0;
+    });
+  }
+
+  absl::Status Empty(const BuildProgress& progress) const {
+    std::string why = absl::StrCat("of ", progress.evaluations, " designs of ", subject(),
+                                   " too few could be evaluated for a map");
+    if (progress.unmapped > 0) absl::StrAppend(&why, " and share a mesh with those around them");
+    const char* before = ": ";
+    for (const auto* failures : {&progress.failures, &progress.unmapped_failures}) {
+      if (failures->empty()) continue;
+      absl::StrAppend(&why, before, evaluation::CountsWithExamples(*failures));
+      before = "; ";
+    }
+    return PreconditionFailed("MAP_EMPTY", why, subject());
+  }
+
   void Tell(const BuildProgress& progress) {
     told_.done = progress.evaluations;
     told_.total = plan_.evaluations;
@@ -197,6 +217,10 @@ class BuildRun {
       absl::StrAppend(&told_.message, ", ", progress.shapes, " shapes in ", progress.meshes,
                       progress.meshes == 1 ? " mesh" : " meshes");
       if (progress.to_map > 0) absl::StrAppend(&told_.message, ", ", progress.to_map, " to map");
+      if (progress.unmapped > 0) {
+        absl::StrAppend(&told_.message, ", ", progress.unmapped, " in no mesh (",
+                        evaluation::CountsByReason(progress.unmapped_failures), ")");
+      }
     }
     if (progress.failed > 0) {
       absl::StrAppend(&told_.message, ", ", progress.failed, " failed (",
@@ -251,14 +275,7 @@ class BuildRun {
     }
     const bool is_known = contents.size() == building.structures().size();
     if (is_stopped && !is_known) return absl::CancelledError("cancelled before there was a map");
-    if (!is_known || progress.failed == progress.evaluations) {
-      return PreconditionFailed(
-          "MAP_EMPTY",
-          absl::StrCat("of ", progress.evaluations, " designs of ", subject(),
-                       " too few could be evaluated for a map", progress.failed > 0 ? ": " : "",
-                       evaluation::CountsWithExamples(progress.failures)),
-          subject());
-    }
+    if (!is_known || !Answers(contents)) return Empty(progress);
     MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreMap(building, contents));
     if (is_stopped) {
       context_.KeepResult(packed);
@@ -297,7 +314,7 @@ class BuildRun {
     MORTISE_ASSIGN_OR_RETURN(const std::string digest, PutFile(*blobs_, disk_, bytes));
     map.set_sha256(digest);
     map.set_bytes(static_cast<std::int64_t>(bytes.size()) + of_shapes);
-    if (!shaped.empty()) *map.mutable_shapes() = shapes;
+    if (!shaped.empty()) map.mutable_shapes()->MergeFrom(shapes);
     MORTISE_RETURN_IF_ERROR(context_.Transact(
         [&](store::Transaction& transaction) { return PutMap(transaction, stored, map); }));
     return rpc::PackResult(map);

@@ -128,9 +128,10 @@ void AddMetrics(const MapPlan& plan, const MapBuilding& building,
   }
 }
 
-void AddFailures(const BuildProgress& progress, v1::DesignMap& map) {
-  for (const evaluation::FailureCount& failure : progress.failures) {
-    v1::MapFailure& to = *map.add_failures();
+void AddFailures(const std::vector<evaluation::FailureCount>& failures,
+                 google::protobuf::RepeatedPtrField<v1::MapFailure>& messages) {
+  for (const evaluation::FailureCount& failure : failures) {
+    v1::MapFailure& to = *messages.Add();
     to.set_reason(failure.reason);
     to.set_count(failure.count);
     to.set_message(failure.message);
@@ -147,7 +148,11 @@ v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& 
   AddParameters(plan, map);
   AddStructures(plan, building, structures, map);
   AddMetrics(plan, building, structures, map);
-  AddFailures(building.progress(), map);
+  const BuildProgress progress = building.progress();
+  AddFailures(progress.failures, *map.mutable_failures());
+  if (specification.has_shape()) {
+    AddFailures(progress.unmapped_failures, *map.mutable_shapes()->mutable_unmapped_failures());
+  }
   return map;
 }
 

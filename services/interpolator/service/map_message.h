@@ -10,7 +10,8 @@
 
 namespace mortise::interpolator {
 
-// Without name, file, shapes, time and tags. `structures` are what is served of the building's.
+// Without name, file, time, tags and, but for why designs are in no mesh, shapes. `structures` are
+// what is served of the building's.
 v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& plan,
                       const MapBuilding& building, const std::vector<StoredStructure>& structures);
 

@@ -165,6 +165,13 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
   return there;
 }
 
+int MeshAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place) {
+  const ServedShapes& of_structure = map.shapes[structure];
+  std::vector<maps::SampleWeight> weights;
+  const auto node = static_cast<std::size_t>(of_structure.weights.At(place.data(), weights));
+  return of_structure.stored.element_meshes[static_cast<std::size_t>(of_structure.order[node])];
+}
+
 template <typename Request>
 absl::StatusOr<ShapeDemand> ReadShapeDemand(const v1::DesignMap& map, const Request& asked) {
   ShapeDemand demand;

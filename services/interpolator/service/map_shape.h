@@ -35,6 +35,9 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
                                                   const std::vector<int>& fields,
                                                   BlendedShape& out);
 
+// Returns the canonical mesh of a structure's design there, or -1 where the map has no shape.
+int MeshAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place);
+
 // What is wanted of every shape.
 struct ShapeDemand {
   v1::GeometryKind geometry = v1::SURFACE;

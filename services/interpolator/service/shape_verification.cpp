@@ -1,15 +1,19 @@
 #include "services/interpolator/service/shape_verification.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "common/base/errors.h"
-#include "common/fields/fields_file.h"
 #include "services/interpolator/service/map_shape.h"
 
 namespace mortise::interpolator {
 namespace {
+
+// Of numbers that are stored with 24 bits and blended, over their magnitude.
+constexpr double kRounding = 1e-6;
 
 // The place of a mesh's field among those of the map, or -1.
 int PlaceOf(const v1::MapShapes& shapes, const FieldKind& kind) {
@@ -31,10 +35,20 @@ void Add(const std::string& field, const std::string& load_case, const Spread& w
   to.set_mean(mean);
 }
 
+// What errors of a field are divided by: how far it ranges in the map, or, where it does not at
+// all, in the map and the true design together. 0 of what is the same everywhere, rounding apart.
+double WholeOf(const v1::MapShapes::Field& field, const FieldRange& truth) {
+  FieldRange range{field.minimum(), field.maximum()};
+  if (range.length() > 0) return range.length();
+  range.Include(truth);
+  const double magnitude = std::max(std::abs(range.minimum), std::abs(range.maximum));
+  return range.length() > kRounding * magnitude ? range.length() : 0;
+}
+
 }  // namespace
 
 void ShapeVerification::Figures::Add(const Spread& spread, double whole) {
-  // What does not vary at all has no errors either, but of rounding.
+  // What varies nowhere, neither in the map nor in truth, has no errors but of rounding.
   const double scale = whole > 0 ? 1 / whole : 0;
   worst.largest = std::max(worst.largest, scale * spread.largest);
   worst.of_99 = std::max(worst.of_99, scale * spread.of_99);
@@ -51,13 +65,30 @@ ShapeVerification::~ShapeVerification() = default;
 
 const PreparedMesh& ShapeVerification::Prepared(
     std::size_t structure, int mesh, const std::shared_ptr<const CanonicalMesh>& canonical) {
-  std::unique_ptr<PreparedMesh>& prepared = prepared_[{structure, mesh}];
-  if (prepared == nullptr) prepared = std::make_unique<PreparedMesh>(canonical);
-  return *prepared;
+  const std::pair wanted(structure, mesh);
+  if (prepared_ == nullptr || prepared_of_ != wanted) {
+    prepared_.reset();  // before there is another: each takes much memory
+    prepared_ = std::make_unique<PreparedMesh>(canonical);
+    prepared_of_ = wanted;
+  }
+  return *prepared_;
+}
+
+std::vector<std::size_t> ShapeVerification::OrderByMesh(const std::vector<std::size_t>& structures,
+                                                        const Eigen::MatrixXd& places) const {
+  std::vector<std::pair<std::size_t, int>> meshes;
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    const Eigen::VectorXd place = places.col(static_cast<Eigen::Index>(i));
+    meshes.emplace_back(structures[i], MeshAt(map_, structures[i], place));
+  }
+  std::vector<std::size_t> order(meshes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return meshes[i]; });
+  return order;
 }
 
 absl::StatusOr<bool> ShapeVerification::Compare(std::size_t structure, const Eigen::VectorXd& place,
-                                                const std::string& file) {
+                                                const fields::DesignFields& truth) {
   std::vector<int> fields(fields_.size());
   std::iota(fields.begin(), fields.end(), 0);
   BlendedShape blended;
@@ -65,23 +96,27 @@ absl::StatusOr<bool> ShapeVerification::Compare(std::size_t structure, const Eig
       const std::optional<ShapePlace> there,
       BlendAt(map_, shapes_, structure, place, /*surface_only=*/false, fields, blended));
   if (!there) return false;
-  MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields truth, fields::ReadFields(file));
   const auto brought = Prepared(structure, there->mesh, there->canonical).Bring(truth);
   MORTISE_ASSIGN_OR_RETURN(
       const ShapeDifference difference,
       Difference(blended, *there->canonical, truth, brought.ok() ? &brought->shape : nullptr));
   shape_.Add(difference.shape, difference.size);
+  if (!brought.ok()) {
+    ++unmapped_;
+    return true;
+  }
+  const std::vector<FieldRange> ranges = RangesOf(brought->shape);
   for (std::size_t f = 0; f < difference.fields.size(); ++f) {
     const auto number = static_cast<std::size_t>(blended.field_numbers[f]);
     const int at = PlaceOf(map_.record.shapes(), there->canonical->fields[number]);
-    const v1::MapShapes::Field& field = map_.record.shapes().fields(at);
-    fields_[static_cast<std::size_t>(at)].Add(difference.fields[f],
-                                              field.maximum() - field.minimum());
+    fields_[static_cast<std::size_t>(at)].Add(
+        difference.fields[f], WholeOf(map_.record.shapes().fields(at), ranges[number]));
   }
   return true;
 }
 
 void ShapeVerification::Report(v1::MapVerification& verification) const {
+  verification.set_unmapped(unmapped_);
   if (shape_.designs == 0) return;
   Add("", "", shape_.worst, shape_.mean / shape_.designs, verification);
   for (std::size_t f = 0; f < fields_.size(); ++f) {

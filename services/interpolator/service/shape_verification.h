@@ -4,14 +4,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <map>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/fields/design_fields.h"
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/records/loaded_shapes.h"
 #include "services/interpolator/service/loaded_maps.h"
@@ -26,15 +24,22 @@ class ShapeVerification {
   ShapeVerification(const LoadedMap& map, LoadedShapes& shapes);
   ~ShapeVerification();
 
+  // Returns the numbers of places of the unit box (K x places) of structures, those that are in one
+  // mesh one after another: in this order they are best compared, as a mesh is prepared for designs
+  // of other elements, and only the last one is kept so.
+  std::vector<std::size_t> OrderByMesh(const std::vector<std::size_t>& structures,
+                                       const Eigen::MatrixXd& places) const;
+
   // Compares the map at a place of the unit box (K) of a structure with the design that is truly
-  // there: `file`, its shape and fields. Of one that cannot be brought into the canonical mesh, as
-  // its topology is another one, the shape alone is compared. Returns whether the map has a shape
-  // there. DATA_LOSS where files of the map are damaged; fails as fields::ReadFields.
+  // there, its shape and fields. Of one that cannot be brought into the canonical mesh, as its
+  // topology is another one, the shape alone is compared. Returns whether the map has a shape
+  // there. DATA_LOSS where files of the map are damaged; fails as fields::Check, "truth".
   absl::StatusOr<bool> Compare(std::size_t structure, const Eigen::VectorXd& place,
-                               const std::string& file);
+                               const fields::DesignFields& truth);
 
   // Adds what was found: of the shape over the size of each design, of each field over its range in
-  // the map. Nothing of what could not be compared at any design.
+  // the map, or where that is none over how far it and the design range together. Nothing of what
+  // could not be compared at any design.
   void Report(v1::MapVerification& verification) const;
 
  private:
@@ -52,8 +57,11 @@ class ShapeVerification {
 
   const LoadedMap& map_;
   LoadedShapes& shapes_;
-  std::map<std::pair<std::size_t, int>, std::unique_ptr<PreparedMesh>> prepared_;
+  // The last mesh that was prepared: its structure and number.
+  std::pair<std::size_t, int> prepared_of_;
+  std::unique_ptr<PreparedMesh> prepared_;
   Figures shape_;
+  int unmapped_ = 0;             // of those, designs whose fields could not be compared
   std::vector<Figures> fields_;  // in the order of DesignMap.shapes.fields
 };
 

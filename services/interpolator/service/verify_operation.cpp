@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stop_token>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
 #include "common/base/random.h"
+#include "common/fields/fields_file.h"
 #include "common/host/operation_codec.h"
 #include "common/store/store.h"
 #include "mortise/v1/evaluator.pb.h"
@@ -105,25 +107,40 @@ v1::MapVerification ToMessage(const v1::EvaluateMapResponse& mapped, Differences
   return verification;
 }
 
+// Whether the evaluator is out of reach, rather than one of its designs at fault.
+bool IsLost(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
+         absl::IsCancelled(status) || absl::IsAborted(status) || absl::IsPermissionDenied(status) ||
+         absl::IsUnauthenticated(status);
+}
+
+absl::StatusOr<fields::DesignFields> FetchFields(MapEvaluator& evaluator, const std::string& file) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, evaluator.Fetch(file));
+  return fields::ReadFields(bytes);
+}
+
 // Compares the shapes of designs that the map has, one after the other: each file is as large as a
-// mesh.
-absl::Status CompareShapes(const LoadedMap& map, LoadedShapes& shapes, const MapPoints& points,
-                           const std::vector<DesignAnswer>& answers, MapEvaluator& evaluator,
+// mesh. An answer whose file is not to be had, or is none, becomes a failure.
+absl::Status CompareShapes(const LoadedMap& map, const MapPoints& points, MapEvaluator& evaluator,
                            operations::OperationContext& context,
-                           v1::MapVerification& verification) {
-  ShapeVerification comparison(map, shapes);
+                           std::vector<DesignAnswer>& answers, ShapeVerification& comparison) {
   const Eigen::MatrixXd places = UnitPlaces(map.record, points.points);
-  for (std::size_t i = 0; i < answers.size(); ++i) {
+  std::int64_t done = 0;
+  for (const std::size_t i : comparison.OrderByMesh(points.structures, places)) {
     if (context.Cancelled()) return absl::CancelledError("given up");
+    ++done;
     if (!IsUsable(answers[i])) continue;
-    MORTISE_ASSIGN_OR_RETURN(const std::string file, evaluator.Fetch(answers[i].file));
+    const auto truth = FetchFields(evaluator, answers[i].file);
+    if (!truth.ok()) {
+      if (IsLost(truth.status())) return truth.status();
+      answers[i].status = truth.status();
+      continue;
+    }
     MORTISE_RETURN_IF_ERROR(
-        comparison.Compare(points.structures[i], places.col(static_cast<Eigen::Index>(i)), file)
+        comparison.Compare(points.structures[i], places.col(static_cast<Eigen::Index>(i)), *truth)
             .status());
-    context.ReportProgress({.done = static_cast<std::int64_t>(i + 1),
-                            .total = static_cast<std::int64_t>(answers.size())});
+    context.ReportProgress({.done = done, .total = static_cast<std::int64_t>(answers.size())});
   }
-  comparison.Report(verification);
   return absl::OkStatus();
 }
 
@@ -170,17 +187,19 @@ absl::StatusOr<std::string> RunVerifyOperation(rpc::ServiceEnvironment& environm
   std::vector<Eigen::VectorXd> designs;
   for (const auto& point : points.points.colwise()) designs.push_back(plan.DesignOf(point));
   context.ReportProgress({.done = 0, .total = static_cast<std::int64_t>(designs.size())});
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<DesignAnswer> answers, evaluator->Evaluate(designs));
+  MORTISE_ASSIGN_OR_RETURN(std::vector<DesignAnswer> answers, evaluator->Evaluate(designs));
   v1::EvaluateMapRequest asked;
   *asked.mutable_points() = request.points();
   MORTISE_ASSIGN_OR_RETURN(const v1::EvaluateMapResponse mapped,
                            Evaluate(*map, asked, [&] { return context.Cancelled(); }));
+  std::optional<ShapeVerification> of_shapes;
+  if (!map->shapes.empty()) {
+    of_shapes.emplace(*map, shapes);
+    MORTISE_RETURN_IF_ERROR(CompareShapes(*map, points, *evaluator, context, answers, *of_shapes));
+  }
   v1::MapVerification verification =
       ToMessage(mapped, Compare(mapped, answers), designs.size(), request.seed());
-  if (!map->shapes.empty()) {
-    MORTISE_RETURN_IF_ERROR(
-        CompareShapes(*map, shapes, points, answers, *evaluator, context, verification));
-  }
+  if (of_shapes) of_shapes->Report(verification);
   MORTISE_ASSIGN_OR_RETURN(const v1::DesignMap verified,
                            Store(context, request.name(), std::move(verification)));
   return rpc::PackResult(verified);

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,11 @@ class BarFiles : public v1::SimulatorService::Service {
  public:
   // The file of the design, without the fields that are not asked for.
   v1::DesignFields Put(const std::vector<double>& x, const v1::DesignFieldsRequest& wanted) {
-    fields::DesignFields design = testing::BarDesign(x[0], x[1], cells_);
+    fields::DesignFields design = testing::BarDesign(x[0], x[1], CellsOf(x));
+    // Names alone tell that there are so many.
+    for (int i = 1; is_each_apart_ && i < CellsOf(x); ++i) {
+      design.parts.push_back("part " + std::to_string(i));
+    }
     std::erase_if(design.fields, [&](const fields::Field& field) {
       return std::ranges::find(wanted.fields(), field.name) == wanted.fields().end();
     });
@@ -29,7 +34,8 @@ class BarFiles : public v1::SimulatorService::Service {
       design.tetrahedra.resize(4, 0);
       design.tetrahedron_part.resize(0);
     }
-    const std::string bytes = fields::WriteFields(design).value();
+    std::string bytes = fields::WriteFields(design).value();
+    if (IsSpoilt(x)) bytes.resize(bytes.size() / 2);
     v1::DesignFields file;
     file.set_sha256(Sha256Hex(bytes));
     file.set_size(static_cast<std::int64_t>(bytes.size()));
@@ -67,13 +73,37 @@ class BarFiles : public v1::SimulatorService::Service {
     const std::lock_guard lock(mutex_);
     cells_ = cells;
   }
+  // From now on no two designs have the same parts.
+  void SetEachApart() {
+    const std::lock_guard lock(mutex_);
+    is_each_apart_ = true;
+  }
+  // From now on files of designs with this x are cut short.
+  void Spoil(double x) {
+    const std::lock_guard lock(mutex_);
+    spoilt_ = x;
+  }
   int downloads() {
     const std::lock_guard lock(mutex_);
     return downloads_;
   }
 
  private:
+  int CellsOf(const std::vector<double>& x) {
+    const std::lock_guard lock(mutex_);
+    if (!is_each_apart_) return cells_;
+    return numbers_.try_emplace(x, 2 + static_cast<int>(numbers_.size())).first->second;
+  }
+
+  bool IsSpoilt(const std::vector<double>& x) {
+    const std::lock_guard lock(mutex_);
+    return spoilt_ == x[0];
+  }
+
   std::mutex mutex_;
+  std::map<std::vector<double>, int> numbers_;  // of designs that are each apart
+  bool is_each_apart_ = false;
+  std::optional<double> spoilt_;              // x
   std::map<std::string, std::string> files_;  // by digest
   bool lose_each_ = false;
   int cells_ = 3;

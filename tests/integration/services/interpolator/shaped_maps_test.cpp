@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/errors.h"
 #include "tests/integration/services/interpolator/shaped_maps_fixture.h"
 
 namespace mortise::interpolator {
@@ -108,6 +109,36 @@ TEST_F(ShapedMapsTest, VerifiesShapesAndFields) {
   EXPECT_GE(found.shapes(1).largest_99(), found.shapes(1).mean());
   EXPECT_EQ(found.shapes(2).field(), "heat");
   ASSERT_EQ(found.differences_size(), 1);
+}
+
+TEST_F(ShapedMapsTest, CountsUnreadableFilesAsFailedAndGoesOn) {
+  const v1::DesignMap map = Built(ShapeRequest(40));
+  evaluator_.Fail([](double x, double) { return x > 0.7; },
+                  PreconditionFailed("RIGID_MOTION", "it can turn"));
+  v1::VerifyMapRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_name(map.name());
+  for (const double number : {0.2, 11.0, 0.9, 11.0, 0.3, 10.5}) request.add_points(number);
+  evaluator_.files().Spoil(0.3);
+  const v1::MapVerification found = MapOf(Wait(Verify(request).name())).verification();
+  EXPECT_EQ(found.points(), 3);
+  EXPECT_EQ(found.failed(), 2);
+  EXPECT_EQ(found.unmapped(), 0);
+  EXPECT_EQ(found.shapes_size(), 3);
+}
+
+TEST_F(ShapedMapsTest, SaysWhyNoDesignIsInAnyMesh) {
+  evaluator_.files().SetEachApart();
+  const v1::Operation operation = Wait(Build(ShapeRequest(30)).name());
+  EXPECT_EQ(operation.state(), v1::Operation::FAILED);
+  EXPECT_EQ(operation.error().code(), static_cast<int>(grpc::StatusCode::FAILED_PRECONDITION));
+  EXPECT_NE(operation.error().message().find("TOPOLOGY_DIFFERS"), std::string::npos)
+      << operation.error().message();
+  EXPECT_NE(operation.error().message().find("mesh"), std::string::npos);
+  v1::ListMapsResponse listed;
+  grpc::ClientContext listing;
+  ASSERT_TRUE(maps_->ListMaps(&listing, {}, &listed).ok());
+  EXPECT_EQ(listed.maps_size(), 0);
 }
 
 TEST_F(ShapedMapsTest, FollowsTheNewestPointAndSendsTheMeshOnce) {

@@ -103,6 +103,20 @@ TEST(MapStreamTest, HasMetricsAloneWhereNoGeometryIsAskedFor) {
   EXPECT_TRUE(streamed->samples.empty());
 }
 
+TEST(MapStreamTest, HasErrorsOfFieldsInTheOrderOfTheMap) {
+  StoredBars bars;
+  v1::EvaluateMapShapeRequest request;
+  request.set_geometry(v1::TETRAHEDRA);
+  request.add_fields("heat");
+  request.add_fields("stress");
+  const auto streamed = Stream(bars, ReadShapeDemand(bars.map()->record, request).value());
+  ASSERT_TRUE(streamed.ok());
+  ASSERT_EQ(streamed->tree.field_errors_size(), 2);
+  EXPECT_EQ(streamed->tree.field_errors(0), 2e4);
+  EXPECT_EQ(streamed->tree.field_errors(1), 0.5);
+  EXPECT_EQ(streamed->samples.at(0).fields(0).name(), "stress");
+}
+
 TEST(MapStreamTest, SaysWhatIsCutOff) {
   StoredBars bars(3, /*is_cut_off=*/true);
   const auto streamed = Stream(bars, Demand(bars, v1::SURFACE));

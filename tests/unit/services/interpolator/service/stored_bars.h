@@ -31,7 +31,7 @@ class StoredBars {
  public:
   explicit StoredBars(int cells = 3, bool is_cut_off = false) {
     store_ = store::OpenStore({.url = "sqlite:" + (folder_.path() / "store.db").string(),
-                                 .blob_folder = folder_.path() / "blobs"})
+                               .blob_folder = folder_.path() / "blobs"})
                  .value();
     blobs_ = store_->Blobs().value();
     maps::MapContent content;
