@@ -22,6 +22,7 @@
 #include "cli/files/assignment.h"
 #include "cli/files/evaluation_flags.h"
 #include "cli/files/metric_definitions.h"
+#include "cli/files/metric_evaluation.h"
 #include "cli/output/map_output.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
@@ -93,18 +94,13 @@ absl::StatusOr<double> NumberOfChoice(const v1::DesignSpace& space, const std::s
   return InvalidField(source, absl::StrCat(space.subject(), " has no parameter '", parameter, "'"));
 }
 
-// What can be varied and asked of the subject.
+// Returns what can be varied and asked of the subject.
 absl::StatusOr<v1::DesignSpace> Describe(const v1::MapSpecification& specification,
                                          const GatewayClient& client) {
-  const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(specification.subject());
   *describe.mutable_metric_definitions() = specification.metric_definitions();
-  v1::DesignSpace space;
-  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));
-  }));
-  return space;
+  return DescribeDesignSpace(describe, client);
 }
 
 absl::Status AddFixed(const std::string& text, const GatewayClient& client,
@@ -124,7 +120,8 @@ absl::Status AddFixed(const std::string& text, const GatewayClient& client,
   return absl::OkStatus();
 }
 
-// Whether a unit that is said is one of the metric; a metric that there is not is found out later.
+// Fails where a unit is said that is none of the metric. That there is no such metric is found out
+// later.
 absl::Status CheckNoiseUnit(const std::string& metric, const std::string& value,
                             const v1::MapSpecification& specification,
                             const GatewayClient& client) {

@@ -72,7 +72,7 @@ absl::StatusOr<std::vector<ExportedStructure>> ExportAll(const v1::DesignMap& ma
   return structures;
 }
 
-// What the flags ask for must be there.
+// Fails where the map lacks what the flags ask for.
 absl::Status CheckOptions(const v1::DesignMap& map, const ExploreOptions& options) {
   if (options.structure < -1 || options.structure >= map.structures_size()) {
     return InvalidField("--structure", absl::StrCat("is ", options.structure, "; ", map.name(),

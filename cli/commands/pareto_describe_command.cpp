@@ -1,8 +1,5 @@
 // mortise pareto describe: what can be varied and asked of a template or an evaluator.
-#include <grpcpp/grpcpp.h>
-
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -10,9 +7,9 @@
 #include "cli/client/requests.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
+#include "cli/files/metric_evaluation.h"
 #include "common/base/errors.h"
-#include "common/rpc/status_mapping.h"
-#include "mortise/v1/evaluator.grpc.pb.h"
+#include "mortise/v1/evaluator.pb.h"
 
 namespace mortise::cli {
 namespace {
@@ -35,11 +32,7 @@ absl::Status Describe(const std::string& subject, Session& session, Output& outp
   v1::DescribeDesignSpaceRequest request;
   request.set_subject(ResourceName("templates", subject));
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
-  const auto stub = v1::EvaluatorService::NewStub(client->channel());
-  v1::DesignSpace space;
-  MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, request, &space));
-  }));
+  MORTISE_ASSIGN_OR_RETURN(const v1::DesignSpace space, DescribeDesignSpace(request, *client));
   std::vector<std::vector<std::string>> rows;
   for (const auto& parameter : space.parameters()) {
     rows.push_back(

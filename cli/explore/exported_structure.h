@@ -1,4 +1,4 @@
-// What ExportMap says of one structure, put together.
+// Puts together what ExportMap says of one structure.
 #pragma once
 
 #include <vector>

@@ -121,7 +121,7 @@ Json FailuresOf(const google::protobuf::RepeatedPtrField<v1::MapFailure>& failur
   return list;
 }
 
-// What the page says of the map.
+// Returns what the page says of the map.
 Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Field>& fields,
                    bool with_shapes) {
   const std::string& subject = map.specification().subject();

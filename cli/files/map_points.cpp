@@ -95,7 +95,7 @@ class Point {
   std::vector<std::optional<double>> values_;
 };
 
-// Whether a column has a metric of the map or its error, as pages of maps save them.
+// Returns whether a column has a metric of the map or its error, as pages of maps save them.
 bool IsOfMetric(const v1::DesignMap& map, const std::string& column) {
   return std::ranges::any_of(map.metrics(), [&](const v1::MapMetric& metric) {
     return column == absl::StrCat(metric.name(), " [", metric.unit(), "]") ||

@@ -36,22 +36,29 @@ absl::StatusOr<v1::DesignPoint> PointOf(const v1::DesignSpace& space,
 
 }  // namespace
 
+absl::StatusOr<v1::DesignSpace> DescribeDesignSpace(const v1::DescribeDesignSpaceRequest& request,
+                                                    const GatewayClient& client) {
+  const auto stub = v1::EvaluatorService::NewStub(client.channel());
+  v1::DesignSpace space;
+  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, request, &space));
+  }));
+  return space;
+}
+
 absl::StatusOr<EvaluatedMetrics> EvaluateMetrics(const std::string& subject,
                                                  const std::vector<v1::ParameterValue>& parameters,
                                                  const v1::EvaluateBatchRequest& asked,
                                                  const GatewayClient& client) {
-  const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::DescribeDesignSpaceRequest describe;
   describe.set_subject(subject);
   describe.set_revision(asked.revision());
-  v1::DesignSpace space;
-  MORTISE_RETURN_IF_ERROR(client.Call([&](grpc::ClientContext& context) {
-    return rpc::FromGrpc(stub->DescribeDesignSpace(&context, describe, &space));
-  }));
+  MORTISE_ASSIGN_OR_RETURN(v1::DesignSpace space, DescribeDesignSpace(describe, client));
   v1::EvaluateBatchRequest request = asked;
   request.set_subject(space.subject());
   request.set_revision(space.revision());
   MORTISE_ASSIGN_OR_RETURN(*request.add_points(), PointOf(space, parameters));
+  const auto stub = v1::EvaluatorService::NewStub(client.channel());
   v1::EvaluationResult result;
   MORTISE_RETURN_IF_ERROR(client.Call(
       [&](grpc::ClientContext& context) {

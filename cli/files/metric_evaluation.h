@@ -1,4 +1,6 @@
-// Metrics of a template at parameters, for `mortise analyze TEMPLATE --metric NAME`.
+// Asks evaluators: what can be varied, and the metrics of a design, as for `mortise analyze
+// TEMPLATE
+// --metric NAME`.
 #pragma once
 
 #include <string>
@@ -14,6 +16,10 @@ struct EvaluatedMetrics {
   v1::DesignSpace space;
   v1::EvaluationResult result;
 };
+
+// Returns what can be varied and asked of a subject. Fails as the evaluator does.
+absl::StatusOr<v1::DesignSpace> DescribeDesignSpace(const v1::DescribeDesignSpaceRequest& request,
+                                                    const GatewayClient& client);
 
 // Evaluates what `asked` says (revision, metrics, gradients, settings) of a subject at the defaults
 // but for `parameters`. INVALID_ARGUMENT naming "parameters[i]" for one that the template does not
