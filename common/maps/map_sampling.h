@@ -37,6 +37,10 @@
 
 namespace mortise::maps {
 
+// To be raised with every change by which the same answers and errors lead to other points, or to the
+// same in another order: what is kept by the numbers of points holds for one version alone.
+inline constexpr int kSamplingVersion = 1;
+
 struct MapSamplingOptions {
   Basis basis = Basis::kLinear;
   RefinementOptions refinement{};

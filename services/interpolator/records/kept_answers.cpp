@@ -38,7 +38,7 @@ absl::StatusOr<KeptAnswers> LoadAnswers(store::Store& store, const std::string& 
   KeptAnswers kept;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) {
     kept = {};
-    return VisitKept(transaction, kAnswerKind, id, /*with_payloads=*/true,
+    return VisitKept(transaction, kAnswerKind, KeptPrefix(id), /*with_payloads=*/true,
                      [&](const store::Record& record) { return Read(record, kept); });
   }));
   return kept;

@@ -19,7 +19,8 @@ struct KeptAnswers {
   std::map<std::string, Eigen::VectorXd> designs;
 };
 
-// Returns all that is kept for the build of this id. DATA_LOSS where it cannot be read.
+// Returns all that is kept for the build of this id, by the sampling and mapping of this version.
+// DATA_LOSS where it cannot be read.
 absl::StatusOr<KeptAnswers> LoadAnswers(store::Store& store, const std::string& id);
 
 // Keeps the answers of one batch, as a record of its own. `design_of` says which design a file is

@@ -125,7 +125,7 @@ absl::StatusOr<KnownShapes> LoadShapes(store::Store& store, const std::string& i
   KnownShapes known;
   MORTISE_RETURN_IF_ERROR(store.Read([&](store::ReadTransaction& transaction) {
     known = {};
-    return VisitKept(transaction, kShapeKind, id, /*with_payloads=*/true,
+    return VisitKept(transaction, kShapeKind, KeptPrefix(id), /*with_payloads=*/true,
                      [&](const store::Record& record) { return Read(record, known); });
   }));
   return known;

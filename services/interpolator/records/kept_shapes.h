@@ -10,7 +10,8 @@
 
 namespace mortise::interpolator {
 
-// Returns all that is kept for the build of this id. DATA_LOSS where it cannot be read.
+// Returns all that is kept for the build of this id, by the sampling and mapping of this version.
+// DATA_LOSS where it cannot be read.
 absl::StatusOr<KnownShapes> LoadShapes(store::Store& store, const std::string& id);
 
 // Keeps what was found out since the last time, each thing once, as a record of its own.

@@ -5,6 +5,7 @@
 
 #include "common/base/errors.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/services/interpolator/records/kept_versions.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -21,7 +22,7 @@ KnownShapes Some(int mesh) {
 }
 
 TEST(KeptShapesTest, ComesBackAsItWasFoundOut) {
-  const testing::TemporaryFolder folder;
+  const mortise::testing::TemporaryFolder folder;
   const auto store =
       store::OpenStore({.url = "sqlite:" + (folder.path() / "store.db").string()}).value();
   KnownShapes differences;
@@ -59,6 +60,23 @@ TEST(KeptShapesTest, ComesBackAsItWasFoundOut) {
   ASSERT_TRUE(dropped.ok()) << dropped;
   EXPECT_TRUE(LoadShapes(*store, "build")->empty());
   EXPECT_FALSE(LoadShapes(*store, "build2")->empty());
+}
+
+TEST(KeptShapesTest, IsNotThatOfAnotherVersionButGoesWithIt) {
+  const mortise::testing::TemporaryFolder folder;
+  const auto store =
+      store::OpenStore({.url = "sqlite:" + (folder.path() / "store.db").string()}).value();
+  const absl::Status put = store->Transact([](store::Transaction& transaction) {
+    return PutShapes(transaction, "build", Some(0));
+  });
+  ASSERT_TRUE(put.ok()) << put;
+  testing::MakeOld(*store, "mapShapes", "build");
+  EXPECT_EQ(testing::RecordsOf(*store, "mapShapes", "build").size(), 2u);
+  EXPECT_TRUE(LoadShapes(*store, "build")->empty());
+  const absl::Status dropped = store->Transact(
+      [](store::Transaction& transaction) { return DropShapes(transaction, "build"); });
+  ASSERT_TRUE(dropped.ok()) << dropped;
+  EXPECT_TRUE(testing::RecordsOf(*store, "mapShapes", "build").empty());
 }
 
 }  // namespace
