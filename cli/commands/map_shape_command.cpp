@@ -121,6 +121,10 @@ absl::Status Write(const ShapeOptions& options, Session& session, Output& output
     return InvalidField(
         "--at", absl::StrCat("lies where ", WhyNoValues(map), ": the map has no shape there"));
   }
+  if (shape.shapeless()) {
+    return InvalidField("--at", absl::StrCat("lies where ", kWhyNoShape,
+                                             ": the map has metrics there, and no shape"));
+  }
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, WriteShapeFile(map, shape, format));
   MORTISE_RETURN_IF_ERROR(WriteFile(options.output, bytes));
   PrintShape(map, shape, options.output.string(), output);

@@ -139,6 +139,7 @@ Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Fi
       {"evaluations", map.samples() + map.probes()},
       {"elements", map.elements()},
       {"cutOff", map.cut_off_elements()},
+      {"shapeless", map.shapeless_elements()},
       {"stale", map.stale()},
       {"parameters", ParametersOf(map)},
       {"verification", VerificationOf(map)}};

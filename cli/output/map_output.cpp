@@ -107,9 +107,17 @@ void PrintStructures(const v1::DesignMap& map, const Output& output) {
     rows.push_back({ValuesText(map, structure.values()), absl::StrCat(structure.samples()),
                     absl::StrCat(structure.probes()), absl::StrCat(structure.elements()),
                     absl::StrCat(structure.cut_off_elements()),
+                    absl::StrCat(structure.shapeless_elements()),
                     absl::AsciiStrToLower(structure.stop_reason())});
   }
-  output.Table({"structure", "samples", "probes", "elements", "cut off", "stopped by"}, rows);
+  std::vector<std::string> titles = {"structure", "samples",  "probes",    "elements",
+                                     "cut off",   "no shape", "stopped by"};
+  if (!map.has_shapes()) {
+    constexpr std::ptrdiff_t kNoShape = 5;
+    titles.erase(titles.begin() + kNoShape);
+    for (std::vector<std::string>& row : rows) row.erase(row.begin() + kNoShape);
+  }
+  output.Table(titles, rows);
 }
 
 void PrintUnmapped(const v1::DesignMap& map, const Output& output) {
@@ -134,6 +142,10 @@ void PrintFailures(const v1::DesignMap& map, const Output& output) {
     output.Line(absl::StrFormat("  %d of %d elements have no values, as %s there",
                                 map.cut_off_elements(), map.elements(), WhyNoValues(map)));
   }
+  if (map.shapeless_elements() > 0) {
+    output.Line(absl::StrFormat("  %d of %d elements have metrics and no shapes, as %s there",
+                                map.shapeless_elements(), map.elements(), kWhyNoShape));
+  }
 }
 
 void PrintGradients(const v1::DesignMap& map, const v1::EvaluateMapResponse& answer,
@@ -155,10 +167,11 @@ void PrintGradients(const v1::DesignMap& map, const v1::EvaluateMapResponse& ans
 }  // namespace
 
 std::string WhyNoValues(const v1::DesignMap& map) {
-  const char* const kUnmapped = "shapes could not be brought into one mesh";
-  if (map.shapes().unmapped() == 0) return "evaluations failed";
-  if (map.failures().empty()) return kUnmapped;
-  return absl::StrCat("evaluations failed or ", kUnmapped);
+  // Maps that earlier versions built have no metrics either where they have no shapes.
+  const bool is_of_shapes = map.shapes().unmapped() > 0 && map.shapeless_elements() == 0;
+  if (!is_of_shapes) return "evaluations failed";
+  if (map.failures().empty()) return kWhyNoShape;
+  return absl::StrCat("evaluations failed or ", kWhyNoShape);
 }
 
 void PrintMap(const v1::DesignMap& map, const Output& output) {
@@ -189,6 +202,10 @@ void PrintVerification(const v1::DesignMap& map, const Output& output) {
   output.Line(absl::StrFormat("verified at %d designs (%d failed, %d without values in the map)",
                               verification.points(), verification.failed(),
                               verification.uncovered()));
+  if (verification.shapeless() > 0) {
+    output.Line(absl::StrFormat("  the map has no shape of %d of them: their metrics are compared",
+                                verification.shapeless()));
+  }
   if (verification.unmapped() > 0) {
     output.Line(
         absl::StrFormat("  %d of them could not be brought into the map's mesh: their shapes are "

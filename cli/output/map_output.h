@@ -13,6 +13,9 @@ namespace mortise::cli {
 // failed".
 std::string WhyNoValues(const v1::DesignMap& map);
 
+// The same where it has no shapes.
+inline constexpr char kWhyNoShape[] = "shapes could not be brought into one mesh";
+
 // Prints what a map is of, how good it is, and why designs failed.
 void PrintMap(const v1::DesignMap& map, const Output& output);
 

@@ -203,6 +203,7 @@ MapSamplingProgress MapSampling::Progress() const {
   progress.samples = state_->tree().sample_count();
   progress.elements = state_->tree().element_count();
   progress.cut_off = state_->CutOffCount();
+  progress.lacking_outside = state_->LackingOutsideCount();
   progress.awaited = static_cast<int>(state_->awaited().size());
   progress.errors = state_->Errors();
   progress.outside_error = state_->LargestOutsideError();

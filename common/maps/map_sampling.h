@@ -19,7 +19,9 @@
 // Errors told from outside. Who interpolates more than the outputs with the map's weights, such as
 // shapes and fields, measures the errors of that itself: when all points of a round have been told,
 // AwaitedErrors says of which elements, and nothing else is asked until TellError has come for all.
-// The larger of both errors of an element counts, and decides along which direction it is split.
+// The larger of both errors of an element counts, and decides along which direction it is split. An
+// element of which it is told that nothing can be interpolated but the outputs keeps these: it is
+// split likewise, so that such parts become small, and then where its outputs are off.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,8 +39,8 @@
 
 namespace mortise::maps {
 
-// To be raised with every change by which the same answers and errors lead to other points, or to the
-// same in another order: what is kept by the numbers of points holds for one version alone.
+// To be raised with every change by which the same answers and errors lead to other points, or to
+// the same in another order: what is kept by the numbers of points holds for one version alone.
 inline constexpr int kSamplingVersion = 1;
 
 struct MapSamplingOptions {
@@ -59,7 +61,8 @@ struct MapSamplingOptions {
   // A round goes on splitting until it asks for as many points. More keeps more workers busy; fewer
   // choose better.
   int round_points = 8;
-  // The most splits along each direction of an element that is cut off.
+  // The most splits along each direction of an element that is cut off, or for the sake of what
+  // fails from outside.
   int cut_off_depth = 3;
   // Whether errors come by TellError, too. Then there may be no outputs at all. It needs the linear
   // basis.
@@ -80,9 +83,10 @@ struct OutsideError {
   double error = 0;
   // K: how much of it comes along each direction. Only proportions count; empty: not known.
   Eigen::VectorXd bending{};
-  // Whether the element's samples cannot be interpolated at all, as shapes of different topology
-  // cannot. It is cut off then, and split along the directions that `bending` names alone, its
-  // longest first where there is none.
+  // Whether what comes from outside cannot be interpolated over the element at all, as shapes of
+  // different topology cannot. It is split along the directions that `bending` names alone then,
+  // its longest first where there is none, as far as what is cut off; its outputs are interpolated
+  // as everywhere.
   bool failed = false;
 };
 
@@ -108,9 +112,11 @@ struct MapSamplingProgress {
   int samples = 0;
   int elements = 0;
   int cut_off = 0;  // elements
+  // Elements with outputs alone: what comes from outside was told to have failed there.
+  int lacking_outside = 0;
   int awaited = 0;  // elements whose error is to be told from outside
   MapErrors errors;
-  double outside_error = 0;  // the largest of the elements that are not cut off
+  double outside_error = 0;  // the largest of the elements that have one
 };
 
 // Everything that was told. With the same dimension, outputs and options it says all: restoring
@@ -175,7 +181,7 @@ class MapSampling {
   Eigen::VectorXd PositionOf(int number) const;
   // Whether a point has been told as a failure.
   bool HasFailed(int number) const;
-  // Whether an element of tree() has a point that failed, or was told to have failed as a whole.
+  // Whether an element of tree() has a point that failed.
   bool IsCutOff(int element) const;
 
   // Elements and samples of the present round, with the linear basis: its errors choose where to

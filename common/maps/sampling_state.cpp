@@ -12,8 +12,8 @@ namespace {
 
 // Elements of less than this share of the round's first priority wait for another round.
 constexpr double kRoundShare = 0.5;
-// The share of the budget that may go into making small what is cut off.
-constexpr double kCutOffShare = 0.25;
+// The share of the budget that may go into making small what fails.
+constexpr double kShrinkingShare = 0.25;
 // No element of fewer splits is believed to be good: two probes may both be right by chance.
 constexpr int kLeastDepth = 2;
 // Priority is error × volume^kSizePower.
@@ -236,6 +236,20 @@ double MapSampling::State::ErrorOfOutputs(const Measured& measured,
   return RelativeError(measured.errors, options_.noise_floor, scale);
 }
 
+// Of all that is interpolated over an element that is not cut off.
+double MapSampling::State::ErrorOf(const Measured& measured, const Eigen::VectorXd& scale) const {
+  const double of_outputs = ErrorOfOutputs(measured, scale);
+  return measured.outside.failed ? of_outputs : std::max(of_outputs, measured.outside.error);
+}
+
+// Whether an element is to be split because it fails, so that less of the map does.
+bool MapSampling::State::MayShrink(int element) const {
+  const Measured& measured = measured_[element];
+  const bool fails_in_part = measured.cut_off() ? !measured.all_failed : measured.outside.failed;
+  return fails_in_part && tree_.elements().LeastDepthOf(element) < options_.cut_off_depth &&
+         shrinking_asked_ < kShrinkingShare * options_.budget;
+}
+
 std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() const {
   const Eigen::VectorXd scale = Scale();
   std::vector<Candidate> candidates;
@@ -243,19 +257,15 @@ std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() cons
     const Measured& measured = measured_[element];
     int depth = 0;
     for (int d = 0; d < tree_.dimension(); ++d) depth += tree_.DepthOf(element, d);
-    double error = 0;
-    if (!measured.cut_off()) {
-      error = std::max(ErrorOfOutputs(measured, scale), measured.outside.error);
+    const bool shrinks = MayShrink(element);
+    double error = 1;
+    if (!shrinks) {
+      if (measured.cut_off() || (measured.outside.failed && outputs_ == 0)) continue;
+      error = ErrorOf(measured, scale);
       const bool good = error <= options_.tolerance || smooth_enough_;
       if (good && depth >= kLeastDepth) continue;
-    } else if (!measured.all_failed &&
-               tree_.elements().LeastDepthOf(element) < options_.cut_off_depth &&
-               cut_off_asked_ < kCutOffShare * options_.budget) {
-      error = 1;
-    } else {
-      continue;
     }
-    candidates.push_back({error * std::exp2(-kSizePower * depth), element});
+    candidates.push_back({error * std::exp2(-kSizePower * depth), element, shrinks});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.priority > b.priority; });
@@ -272,8 +282,8 @@ bool MapSampling::State::StartRound() {
   double first_priority = 0;
   for (const Candidate& candidate : Candidates()) {
     if (candidate.priority < kRoundShare * first_priority) break;
-    const int direction = DirectionFor(candidate.element);
-    if (!SplitElement(candidate.element, direction)) continue;
+    const int direction = DirectionFor(candidate);
+    if (!SplitElement(candidate, direction)) continue;
     first_priority = std::max(first_priority, candidate.priority);
     if (points_.count() - before >= options_.round_points) break;
   }
@@ -296,14 +306,16 @@ std::vector<int> MapSampling::State::PointsAround(int element) const {
 }
 
 // How much speaks for a split along each direction; zeros where nothing is known.
-Eigen::VectorXd MapSampling::State::DirectionScores(int element) const {
-  const int dimension = tree_.dimension();
+Eigen::VectorXd MapSampling::State::DirectionScores(const Candidate& candidate) const {
+  const int dimension = tree_.dimension(), element = candidate.element;
   const Measured& measured = measured_[element];
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(dimension);
   if (measured.has_failed) return none;
   const Eigen::VectorXd scale = Scale();
-  if (options_.errors_from_outside &&
-      (measured.outside.failed || measured.outside.error >= ErrorOfOutputs(measured, scale))) {
+  const bool is_of_outside = measured.outside.failed
+                                 ? candidate.shrinks
+                                 : measured.outside.error >= ErrorOfOutputs(measured, scale);
+  if (options_.errors_from_outside && is_of_outside) {
     return measured.outside.bending.size() == 0 ? none : measured.outside.bending;
   }
   const std::vector<int> around = PointsAround(element);
@@ -323,14 +335,14 @@ Eigen::VectorXd MapSampling::State::DirectionScores(int element) const {
   return score;
 }
 
-int MapSampling::State::DirectionFor(int element) const {
-  const Eigen::VectorXd score = DirectionScores(element);
-  const bool cut_off = measured_[element].cut_off();
-  const bool only_named = cut_off && (score.array() > 0).any();
+int MapSampling::State::DirectionFor(const Candidate& candidate) const {
+  const int element = candidate.element;
+  const Eigen::VectorXd score = DirectionScores(candidate);
+  const bool only_named = candidate.shrinks && (score.array() > 0).any();
   int best = -1;
   for (int d = 0; d < tree_.dimension(); ++d) {
     if (!tree_.CanSplit(element, d)) continue;
-    if (cut_off && tree_.DepthOf(element, d) >= options_.cut_off_depth) continue;
+    if (candidate.shrinks && tree_.DepthOf(element, d) >= options_.cut_off_depth) continue;
     if (only_named && score[d] == 0) continue;
     const bool longer = best >= 0 && tree_.DepthOf(element, d) < tree_.DepthOf(element, best);
     if (best < 0 || score[d] > score[best] || (score[d] == score[best] && longer)) best = d;
@@ -355,7 +367,8 @@ int MapSampling::State::CostOf(int element, int direction) const {
   return cost;
 }
 
-bool MapSampling::State::SplitElement(int element, int direction) {
+bool MapSampling::State::SplitElement(const Candidate& candidate, int direction) {
+  const int element = candidate.element;
   if (direction < 0) return false;
   if (points_.count() + CostOf(element, direction) > options_.budget) return false;
   const int before = points_.count();
@@ -373,121 +386,8 @@ bool MapSampling::State::SplitElement(int element, int direction) {
     PlaceProbes(child);
     changed_.push_back(child);
   }
-  if (measured_[element].cut_off()) cut_off_asked_ += points_.count() - before;
+  if (candidate.shrinks) shrinking_asked_ += points_.count() - before;
   return true;
-}
-
-MapErrors MapSampling::State::Errors() const {
-  return options_.basis == Basis::kLinear ? LinearErrors() : smooth_errors_;
-}
-
-MapErrors MapSampling::State::LinearErrors() const {
-  MapErrors errors;
-  errors.largest = errors.mean = Eigen::VectorXd::Zero(outputs_);
-  errors.range = Scale();
-  std::set<int> counted;
-  for (std::size_t node = 0; node < measured_.size(); ++node) {
-    if (!tree_.IsElement(static_cast<int>(node))) continue;
-    const Measured& measured = measured_[node];
-    for (Eigen::Index n = 0; n < measured.differences.cols() && !measured.cut_off(); ++n) {
-      if (!counted.insert(measured.probes[n]).second) continue;
-      errors.largest = errors.largest.cwiseMax(measured.differences.col(n));
-      errors.mean += measured.differences.col(n);
-      ++errors.probes;
-    }
-  }
-  if (errors.probes > 0) errors.mean /= errors.probes;
-  return errors;
-}
-
-double MapSampling::State::LargestOutsideError() const {
-  double largest = 0;
-  for (const int element : tree_.Elements()) {
-    const Measured& measured = measured_[element];
-    if (!measured.cut_off()) largest = std::max(largest, measured.outside.error);
-  }
-  return largest;
-}
-
-int MapSampling::State::CutOffCount() const {
-  int count = 0;
-  for (const int element : tree_.Elements()) count += measured_[element].cut_off() ? 1 : 0;
-  return count;
-}
-
-MapContent MapSampling::State::Content() const {
-  MapContent content = LinearContent();
-  content.basis = options_.basis;
-  if (options_.basis == Basis::kCubic) MeasureCubic(content);
-  return content;
-}
-
-MapContent MapSampling::State::LinearContent() const {
-  MapContent content;
-  content.dimension = tree_.dimension();
-  content.basis = tree_.basis();
-  content.options = tree_.options();
-  content.splits.assign(tree_.history().begin(),
-                        tree_.history().begin() + static_cast<std::ptrdiff_t>(complete_splits_));
-  const auto complete =
-      *RefinementTree::Replay(content.dimension, content.basis, content.options, content.splits);
-  content.values = Eigen::MatrixXd::Zero(outputs_, complete.sample_count());
-  for (int sample = 0; sample < complete.sample_count(); ++sample) {
-    const int number = sample_points_[sample];
-    if (points_.StateOf(number) == KnownPoints::State::kGood) {
-      content.values.col(sample) = points_.ValuesOf(number);
-    }
-  }
-  content.errors = Eigen::MatrixXd::Zero(outputs_, complete.element_count());
-  for (const int element : complete.Elements()) {
-    const auto order = static_cast<Eigen::Index>(content.cut_off.size());
-    const Stated stated = StatedOf(element);
-    content.errors.col(order) = stated.errors;
-    content.cut_off.push_back(stated.cut_off ? 1 : 0);
-  }
-  return content;
-}
-
-// Replaces the errors by those of the cubic map. Returns them at all probes, each once.
-MapErrors MapSampling::State::MeasureCubic(MapContent& content) const {
-  const auto map = *InterpolationMap::Create(content);
-  MapErrors errors;
-  errors.largest = errors.mean = Eigen::VectorXd::Zero(outputs_);
-  errors.range = Scale();
-  content.errors.setZero();
-  std::set<int> counted;
-  Eigen::Index order = 0;
-  for (const int element : map.tree().Elements()) {
-    const Measured& measured = measured_[element];
-    for (std::size_t n = 0; n < measured.probes.size() && !measured.cut_off(); ++n) {
-      const int number = measured.probes[n];
-      const Eigen::VectorXd position = UnitPosition(points_.PositionOf(number), tree_.dimension());
-      if (map.tree().elements().FindSample(points_.PositionOf(number)) >= 0) continue;
-      const Eigen::VectorXd difference =
-          (map.Evaluate(position).values.col(0) - points_.ValuesOf(number)).cwiseAbs();
-      if (!difference.allFinite()) continue;  // on a face of what is cut off
-      content.errors.col(order) = content.errors.col(order).cwiseMax(difference);
-      if (!counted.insert(number).second) continue;
-      errors.largest = errors.largest.cwiseMax(difference);
-      errors.mean += difference;
-      ++errors.probes;
-    }
-    ++order;
-  }
-  if (errors.probes > 0) errors.mean /= errors.probes;
-  return errors;
-}
-
-void MapSampling::State::MeasureSmooth() {
-  MapContent content = LinearContent();
-  content.basis = options_.basis;
-  smooth_errors_ = MeasureCubic(content);
-  smooth_enough_ = true;
-  for (Eigen::Index order = 0; order < content.errors.cols(); ++order) {
-    const bool small = RelativeError(content.errors.col(order), options_.noise_floor,
-                                     smooth_errors_.range) <= options_.tolerance;
-    smooth_enough_ = smooth_enough_ && small;
-  }
 }
 
 }  // namespace mortise::maps

@@ -43,6 +43,7 @@ class MapSampling::State {
   MapErrors Errors() const;
   double LargestOutsideError() const;
   int CutOffCount() const;
+  int LackingOutsideCount() const;
   bool HasContent() const { return rounds_ > 0; }
   MapContent Content() const;
 
@@ -59,7 +60,9 @@ class MapSampling::State {
     std::size_t samples = 0;  // how many it had then
     OutsideError outside;
 
-    bool cut_off() const { return has_failed || outside.failed; }
+    bool cut_off() const { return has_failed; }
+    // Whether outputs are all that is interpolated over it.
+    bool lacks_outside() const { return !has_failed && outside.failed; }
   };
   // What of an element a map states.
   struct Stated {
@@ -69,6 +72,7 @@ class MapSampling::State {
   struct Candidate {
     double priority = 0;
     int element = 0;
+    bool shrinks = false;  // split to make small what fails, rather than for its error
   };
 
   int Want(const LatticePoint& position, bool probe);
@@ -83,16 +87,18 @@ class MapSampling::State {
   void KeepStated(int element);
   Stated StatedOf(int element) const;
   double ErrorOfOutputs(const Measured& measured, const Eigen::VectorXd& scale) const;
-  Eigen::VectorXd DirectionScores(int element) const;
+  Eigen::VectorXd DirectionScores(const Candidate& candidate) const;
   bool StartRound();
   MapContent LinearContent() const;
   MapErrors MeasureCubic(MapContent& content) const;
   void MeasureSmooth();
   MapErrors LinearErrors() const;
   std::vector<Candidate> Candidates() const;
-  int DirectionFor(int element) const;
+  bool MayShrink(int element) const;
+  double ErrorOf(const Measured& measured, const Eigen::VectorXd& scale) const;
+  int DirectionFor(const Candidate& candidate) const;
   int CostOf(int element, int direction) const;
-  bool SplitElement(int element, int direction);
+  bool SplitElement(const Candidate& candidate, int direction);
   Eigen::VectorXd Scale() const;
   std::vector<int> PointsAround(int element) const;
 
@@ -109,7 +115,7 @@ class MapSampling::State {
   std::set<int> awaited_;           // elements
   std::vector<std::pair<int, OutsideError>> told_errors_;
   std::map<int, Stated> stated_;  // of the last complete round, of what this one has changed
-  int cut_off_asked_ = 0;         // points that splits of what is cut off have cost
+  int shrinking_asked_ = 0;       // points that splits to make small what fails have cost
   int rounds_ = 0;
   std::size_t complete_splits_ = 0;  // of the history, when the last round was complete
   // Of a cubic map, which is measured whenever half as many points again are known: it takes all of

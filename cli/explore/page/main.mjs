@@ -6,7 +6,7 @@ import { makeControls, makeMetrics } from "./design_panel.mjs";
 import { copy, designAsCsv, designAsJson, download } from "./downloads.mjs";
 import { byId, element } from "./elements.mjs";
 import { MapTree } from "./map_tree.mjs";
-import { causesOf, reasonsOf, whyNoValues } from "./missing_values.mjs";
+import { causesOf, notesOnShapes, reasonsOf, whyNoShape, whyNoValues } from "./missing_values.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
 import { readPack } from "./packed_numbers.mjs";
 import { holdTime, isSelfTest, runSelfTest } from "./self_test.mjs";
@@ -144,7 +144,10 @@ class Page {
     if (structure && this.tab === "slices") {
       this.slices.show(place, this.answer, place.map((_, d) => sliceAlong(structure.tree, place, d)));
     }
-    if (this.panel && this.tab === "shape") this.panel.show(structure, this.answer ? place : null);
+    const isShapeWanted = this.panel !== null && this.tab === "shape";
+    const hasShape = this.answer !== null && structure.shapes !== null && structure.shapes.has(structure.tree, place);
+    byId("no-shape").hidden = !isShapeWanted || this.answer === null || hasShape;
+    if (isShapeWanted) this.panel.show(structure, hasShape ? place : null);
   }
 }
 
@@ -173,6 +176,7 @@ function describe(map) {
     for (const { count, message } of reasonsOf(map)) note(`${count} × ${message}`, "failure");
   }
   if (map.shapes) {
+    notesOnShapes(map).forEach((text, i) => note(text, i > 0 ? "failure" : undefined));
     const described = map.structures.map(({ shapes }) => shapes).filter(Boolean);
     const rounding = map.shapes.rounding + roundingOf(described);
     note(`Shapes were off at most ${quantity(map.shapes.largestError, shownUnit("m"), 2)} at the map's probes; ` +
@@ -180,6 +184,7 @@ function describe(map) {
       `${map.shapes.designs ? ` (${digits(map.shapes.designs)} shapes)` : ""}.`);
   }
   byId("no-values-why").textContent = whyNoValues(map);
+  if (map.shapeless > 0) byId("no-shape-why").textContent = whyNoShape(map);
 }
 
 async function start() {

@@ -45,6 +45,7 @@ function told({ answer, shape }, panel) {
     errors: answer && [...answer.errors],
     shown: [...document.querySelectorAll("#metrics .value")].map((cell) => cell.textContent),
     saysNoValues: !byId("no-values").hidden,
+    saysNoShape: !byId("no-shape").hidden,
     positions: shape ? [...shape.slice(0, 30)] : null,
     colours: panel?.view ? panel.view.coloursDrawn() : 0,
   };

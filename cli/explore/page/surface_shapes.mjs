@@ -34,8 +34,13 @@ export class SurfaceShapes {
     }
   }
 
-  // The shape at a place of the map's tree: {mesh, parts: [[sample's steps, weight]]}. Where the
-  // map has values, each sample around has a shape in the mesh of the element.
+  // Whether the map has a shape at a place of its tree: there may be metrics alone.
+  has(tree, place) {
+    return tree.arrays.meshes[tree.locate(place)] >= 0;
+  }
+
+  // The shape at a place of the map's tree that has one: {mesh, parts: [[sample's steps, weight]]}. Each
+  // sample around has a shape in the mesh of the element.
   at(tree, place) {
     const number = tree.arrays.meshes[tree.locate(place)];
     const mesh = this.meshes.find((one) => one.number === number);

@@ -35,10 +35,10 @@ struct ShapedStructure {
   };
 
   std::vector<Mesh> meshes;        // those that elements have; the same fields in all of them
-  std::vector<FieldKind> fields;   // none where all elements have been cut off from the start
+  std::vector<FieldKind> fields;   // none where no element has ever had shapes
   std::vector<FieldRange> ranges;  // of each field: what was sampled
   // In the order of the content's RefinementTree::Elements: the canonical mesh of each, an index
-  // into `meshes`; -1 of what is cut off. And its errors; zeros of what is cut off.
+  // into `meshes`; -1 of what is cut off, or has metrics alone. And its errors; zeros of those.
   std::vector<int> element_mesh;
   std::vector<Errors> element_errors;
   // Of each mesh, and each sample on an element that has it.

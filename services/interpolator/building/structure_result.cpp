@@ -70,7 +70,7 @@ absl::StatusOr<ShapedStructure> StructureShapes::Result() const {
     AddShapes(tree.ElementSamples(element), settled.mesh, place->second, result);
   }
   AddErrors(probes, result);
-  result.unmapped = CountUnmapped(tree, content);
+  result.unmapped = CountUnmapped(tree, result.element_mesh);
   return result;
 }
 
@@ -101,25 +101,25 @@ void StructureShapes::AddErrors(const std::set<DifferenceKey>& probes,
   }
 }
 
-// The designs around elements that are cut off although none of their designs has failed, but for
-// those on an element that is not.
+// The designs around elements that have no shapes although none of their designs has failed, but
+// for those on an element that has.
 std::int64_t StructureShapes::CountUnmapped(const maps::RefinementTree& tree,
-                                            const maps::MapContent& content) const {
-  std::set<int> covered, cut_off;
+                                            const std::vector<int>& element_mesh) const {
+  std::set<int> covered, shapeless;
   std::size_t order = 0;
   for (const int element : tree.Elements()) {
     std::vector<int> points = sampling_.ProbesOf(element);
     for (const int sample : tree.ElementSamples(element)) {
       points.push_back(sampling_.PointOfSample(sample));
     }
-    const bool is_cut_off = content.cut_off[order++] != 0;
+    const bool is_shapeless = element_mesh[order++] < 0;
     const bool has_failed =
         std::ranges::any_of(points, [this](int number) { return sampling_.HasFailed(number); });
-    if (is_cut_off && has_failed) continue;
-    (is_cut_off ? cut_off : covered).insert(points.begin(), points.end());
+    if (is_shapeless && has_failed) continue;
+    (is_shapeless ? shapeless : covered).insert(points.begin(), points.end());
   }
   std::int64_t count = 0;
-  for (const int number : cut_off) count += covered.contains(number) ? 0 : 1;
+  for (const int number : shapeless) count += covered.contains(number) ? 0 : 1;
   return count;
 }
 

@@ -5,8 +5,8 @@
 // of the box; parts of an element inherit its mesh. An element whose samples and probes cannot all
 // be brought into the mesh that it inherits tries those of elements beside it, and then that of the
 // design at its own centre, which has been evaluated as a probe. If that fails as well, the element
-// is told to have failed, which cuts it off and splits it. All that is decided here follows from
-// the answers alone: the same answers give the same meshes.
+// is told to have failed: it has its metrics alone then, and is split. All that is decided here
+// follows from the answers alone: the same answers give the same meshes.
 #pragma once
 
 #include <Eigen/Core>
@@ -91,7 +91,7 @@ class StructureShapes {
                  ShapedStructure& result) const;
   void AddErrors(const std::set<DifferenceKey>& probes, ShapedStructure& result) const;
   std::int64_t CountUnmapped(const maps::RefinementTree& tree,
-                             const maps::MapContent& content) const;
+                             const std::vector<int>& element_mesh) const;
   MeshKey KeyOf(int mesh) const { return {structure_, mesh}; }
 
   const int structure_;

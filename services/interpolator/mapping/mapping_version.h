@@ -3,8 +3,8 @@
 
 namespace mortise::interpolator {
 
-// To be raised with every change by which the same designs come into other meshes, come to lie there
-// in another way, or are found to be off by more or less: of this folder, of shapes/ or of
+// To be raised with every change by which the same designs come into other meshes, come to lie
+// there in another way, or are found to be off by more or less: of this folder, of shapes/ or of
 // building/. What a build kept under another version is found out again.
 inline constexpr int kMappingVersion = 1;
 

@@ -1,10 +1,10 @@
 // Records of one build, under keys that begin with its id and the version of what they hold for.
 // Private to this folder.
 //
-// Answers are kept by the number that their design was asked for with, shapes by the canonical meshes
-// that mapping has chosen: after a change of the sampling or of the mapping the same number may be of
-// another design. So what is kept under another version is not read, and a build that was interrupted
-// finds it out again; it goes with the build's other records.
+// Answers are kept by the number that their design was asked for with, shapes by the canonical
+// meshes that mapping has chosen: after a change of the sampling or of the mapping the same number
+// may be of another design. So what is kept under another version is not read, and a build that was
+// interrupted finds it out again; it goes with the build's other records.
 #pragma once
 
 #include <string>

@@ -26,7 +26,8 @@ struct StoredMesh {
 
 // What a structure's map has of shapes. Elements are in the order of RefinementTree::Elements.
 struct StoredShapes {
-  std::vector<int> element_meshes;  // index into `meshes`; -1 of elements that are cut off
+  // Index into `meshes`; -1 of elements without shapes: those that are cut off, and others.
+  std::vector<int> element_meshes;
   std::vector<StoredMesh> meshes;
   Eigen::VectorXd shape_errors;  // m, of each element: how far positions may be off
   Eigen::MatrixXd field_errors;  // fields x elements, SI units

@@ -184,8 +184,13 @@ class BuildRun {
     return options;
   }
 
-  // Whether the map would have a value anywhere.
-  static bool Answers(const std::vector<maps::MapContent>& contents) {
+  // Whether the map would have a value anywhere, and a shape where it is to have such.
+  bool Answers(const std::vector<maps::MapContent>& contents,
+               const std::vector<ShapedStructure>& shaped) const {
+    if (request_.specification().has_shape()) {
+      return std::ranges::any_of(
+          shaped, [](const ShapedStructure& structure) { return !structure.meshes.empty(); });
+    }
     return std::ranges::any_of(contents, [](const maps::MapContent& content) {
       return std::ranges::count(content.cut_off, 0) > 0;
     });
@@ -275,8 +280,10 @@ class BuildRun {
     }
     const bool is_known = contents.size() == building.structures().size();
     if (is_stopped && !is_known) return absl::CancelledError("cancelled before there was a map");
-    if (!is_known || !Answers(contents)) return Empty(progress);
-    MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreMap(building, contents));
+    if (!is_known) return Empty(progress);
+    MORTISE_ASSIGN_OR_RETURN(const std::vector<ShapedStructure> shaped, ShapesOf(building));
+    if (!Answers(contents, shaped)) return Empty(progress);
+    MORTISE_ASSIGN_OR_RETURN(const std::string packed, StoreMap(building, contents, shaped));
     if (is_stopped) {
       context_.KeepResult(packed);
       return absl::CancelledError("cancelled; the map holds what was sampled by then");
@@ -299,8 +306,8 @@ class BuildRun {
 
   // The map, packed.
   absl::StatusOr<std::string> StoreMap(const MapBuilding& building,
-                                       const std::vector<maps::MapContent>& contents) {
-    MORTISE_ASSIGN_OR_RETURN(const std::vector<ShapedStructure> shaped, ShapesOf(building));
+                                       const std::vector<maps::MapContent>& contents,
+                                       const std::vector<ShapedStructure>& shaped) {
     const std::int64_t of_shapes = BytesOf(shaped);
     const v1::MapShapes shapes = MakeShapes(request_.specification(), shaped, of_shapes);
     std::vector<StoredShapes> stored;

@@ -74,7 +74,7 @@ class FollowedMap {
                              ShapeAt(*map_, *interpolator_.shapes, demand_, to.point(), scratch_));
     v1::MapShape& shape = answer.shape;
     shape.set_sequence(to.sequence());
-    if (shape.uncovered() || std::pair(shape.structure(), shape.mesh()) == told_) {
+    if (answer.canonical == nullptr || std::pair(shape.structure(), shape.mesh()) == told_) {
       MORTISE_RETURN_IF_ERROR(CheckMessageSize(shape));
       ready_.push_back(std::move(shape));
       return absl::OkStatus();

@@ -39,6 +39,16 @@ int DepthOf(const maps::RefinementTree& tree) {
   return most;
 }
 
+// How many elements have metrics and no shapes; 0 of a map of metrics alone.
+std::int64_t CountShapeless(const StoredStructure& structure) {
+  const std::vector<std::uint8_t>& cut_off = structure.map.content().cut_off;
+  std::int64_t count = 0;
+  for (std::size_t e = 0; e < structure.shapes.element_meshes.size(); ++e) {
+    count += structure.shapes.element_meshes[e] < 0 && cut_off[e] == 0 ? 1 : 0;
+  }
+  return count;
+}
+
 void AddStructures(const MapPlan& plan, const MapBuilding& building,
                    const std::vector<StoredStructure>& structures, v1::DesignMap& map) {
   const std::vector<std::size_t> wholes = plan.WholeParameters();
@@ -57,6 +67,7 @@ void AddStructures(const MapPlan& plan, const MapBuilding& building,
     to.set_failed_evaluations(sampled.failed);
     to.set_elements(static_cast<std::int64_t>(content.cut_off.size()));
     to.set_cut_off_elements(std::ranges::count(content.cut_off, 1));
+    to.set_shapeless_elements(CountShapeless(structures[s]));
     to.set_depth(DepthOf(structures[s].map.tree()));
     to.set_stop_reason(StopReasonName(building.ReasonOf(s)));
     map.set_samples(map.samples() + to.samples());
@@ -64,6 +75,7 @@ void AddStructures(const MapPlan& plan, const MapBuilding& building,
     map.set_failed_evaluations(map.failed_evaluations() + to.failed_evaluations());
     map.set_elements(map.elements() + to.elements());
     map.set_cut_off_elements(map.cut_off_elements() + to.cut_off_elements());
+    map.set_shapeless_elements(map.shapeless_elements() + to.shapeless_elements());
     map.set_depth(std::max(map.depth(), to.depth()));
     first_of_all = std::max(first_of_all, building.ReasonOf(s));
   }

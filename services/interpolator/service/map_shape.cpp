@@ -110,16 +110,26 @@ absl::StatusOr<v1::GeometryKind> ReadGeometry(const v1::DesignMap& map, v1::Geom
   return asked;
 }
 
-void SetMetrics(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place,
+// Returns whether the map has any values there.
+bool SetMetrics(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place,
                 const std::vector<int>& columns, v1::MapShape& shape) {
   const maps::InterpolationMap& metrics = map.structures[structure];
   Eigen::VectorXd values(metrics.outputs()), errors(metrics.outputs());
-  metrics.EvaluateOne(place.data(), values.data(), errors.data(), nullptr);
+  if (!metrics.EvaluateOne(place.data(), values.data(), errors.data(), nullptr)) return false;
   for (const int column : columns) {
     shape.add_metrics(map.record.metrics(column).name());
     shape.add_values(values[column]);
     shape.add_metric_errors(errors[column]);
   }
+  return true;
+}
+
+// The element that a place lies in, in the order of RefinementTree::Elements, and which samples act
+// there with which weights.
+std::size_t ElementAt(const ServedShapes& shapes, const Eigen::VectorXd& place,
+                      std::vector<maps::SampleWeight>& weights) {
+  const auto node = static_cast<std::size_t>(shapes.weights.At(place.data(), weights));
+  return static_cast<std::size_t>(shapes.order[node]);
 }
 
 void SetErrors(const StoredShapes& stored, int element, const std::vector<int>& fields,
@@ -150,12 +160,12 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
                                                   BlendedShape& out) {
   const ServedShapes& of_structure = map.shapes[structure];
   std::vector<maps::SampleWeight> weights;
-  const int node = of_structure.weights.At(place.data(), weights);
+  const std::size_t element = ElementAt(of_structure, place, weights);
   ShapePlace there;
-  there.element = of_structure.order[static_cast<std::size_t>(node)];
-  there.mesh = of_structure.stored.element_meshes[static_cast<std::size_t>(there.element)];
+  there.element = static_cast<int>(element);
+  there.mesh = of_structure.stored.element_meshes[element];
   const auto& cut_off = map.structures[structure].content().cut_off;
-  if (there.mesh < 0 || cut_off[static_cast<std::size_t>(there.element)] != 0) return std::nullopt;
+  if (there.mesh < 0 || cut_off[element] != 0) return std::nullopt;
   const StoredMesh& mesh = of_structure.stored.meshes[static_cast<std::size_t>(there.mesh)];
   MORTISE_ASSIGN_OR_RETURN(there.canonical, shapes.Mesh(mesh.file));
   BlendedParts parts{surface_only, {}};
@@ -168,8 +178,13 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
 int MeshAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place) {
   const ServedShapes& of_structure = map.shapes[structure];
   std::vector<maps::SampleWeight> weights;
-  const auto node = static_cast<std::size_t>(of_structure.weights.At(place.data(), weights));
-  return of_structure.stored.element_meshes[static_cast<std::size_t>(of_structure.order[node])];
+  return of_structure.stored.element_meshes[ElementAt(of_structure, place, weights)];
+}
+
+bool HasMetricsAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place) {
+  std::vector<maps::SampleWeight> weights;
+  const std::size_t element = ElementAt(map.shapes[structure], place, weights);
+  return map.structures[structure].content().cut_off[element] == 0;
 }
 
 template <typename Request>
@@ -198,16 +213,19 @@ absl::StatusOr<AnsweredShape> ShapeAt(const LoadedMap& map, LoadedShapes& shapes
                            BlendAt(map, shapes, structure, place, demand.geometry == v1::SURFACE,
                                    demand.fields, scratch));
   AnsweredShape answer;
-  if (!there) {
+  if (!SetMetrics(map, structure, place, demand.metrics, answer.shape)) {
     answer.shape.set_uncovered(true);
     return answer;
   }
-  answer.canonical = there->canonical;
   answer.shape.set_structure(static_cast<int>(structure));
+  if (!there) {
+    answer.shape.set_shapeless(true);
+    return answer;
+  }
+  answer.canonical = there->canonical;
   answer.shape.set_mesh(there->mesh);
   SetShape(scratch, *there->canonical, answer.shape);
   SetErrors(map.shapes[structure].stored, there->element, there->fields, answer.shape);
-  SetMetrics(map, structure, place, demand.metrics, answer.shape);
   SetProportions(scratch, *there->canonical, answer.shape);
   return answer;
 }
@@ -238,7 +256,7 @@ absl::StatusOr<v1::MapShape> EvaluateShape(const LoadedMap& map, LoadedShapes& s
   const bool is_known = asked.has_known_structure() && asked.has_known_mesh() &&
                         asked.known_structure() == shape.structure() &&
                         asked.known_mesh() == shape.mesh();
-  if (!shape.uncovered() && !is_known) {
+  if (answer.canonical != nullptr && !is_known) {
     *shape.mutable_new_mesh() =
         std::move(MeshMessages(*answer.canonical, shape.structure(), shape.mesh(), demand.geometry,
                                std::numeric_limits<std::size_t>::max())

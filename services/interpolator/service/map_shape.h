@@ -27,8 +27,8 @@ struct ShapePlace {
 
 // Blends the shape of a structure's design at a place of the unit box (K), with those fields of
 // DesignMap.shapes.fields that `fields` names, as far as the structure has them. Returns nothing
-// where the map has no shape. What `out` had is used again. DATA_LOSS where a file of the map is
-// damaged or lacks what it should have.
+// where the map has no shape, be there metrics or not. What `out` had is used again. DATA_LOSS
+// where a file of the map is damaged or lacks what it should have.
 absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedShapes& shapes,
                                                   std::size_t structure,
                                                   const Eigen::VectorXd& place, bool surface_only,
@@ -37,6 +37,9 @@ absl::StatusOr<std::optional<ShapePlace>> BlendAt(const LoadedMap& map, LoadedSh
 
 // Returns the canonical mesh of a structure's design there, or -1 where the map has no shape.
 int MeshAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place);
+
+// Whether the map has metrics of a structure's design there.
+bool HasMetricsAt(const LoadedMap& map, std::size_t structure, const Eigen::VectorXd& place);
 
 // What is wanted of every shape.
 struct ShapeDemand {
@@ -52,7 +55,7 @@ template <typename Request>
 absl::StatusOr<ShapeDemand> ReadShapeDemand(const v1::DesignMap& map, const Request& asked);
 
 // A shape as it is answered, all but `new_mesh`, and its canonical mesh; none where it is
-// `uncovered`.
+// `uncovered` or `shapeless`.
 struct AnsweredShape {
   v1::MapShape shape;
   std::shared_ptr<const CanonicalMesh> canonical;

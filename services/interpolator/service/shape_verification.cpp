@@ -95,7 +95,10 @@ absl::StatusOr<bool> ShapeVerification::Compare(std::size_t structure, const Eig
   MORTISE_ASSIGN_OR_RETURN(
       const std::optional<ShapePlace> there,
       BlendAt(map_, shapes_, structure, place, /*surface_only=*/false, fields, blended));
-  if (!there) return false;
+  if (!there) {
+    shapeless_ += HasMetricsAt(map_, structure, place) ? 1 : 0;
+    return false;
+  }
   const auto brought = Prepared(structure, there->mesh, there->canonical).Bring(truth);
   MORTISE_ASSIGN_OR_RETURN(
       const ShapeDifference difference,
@@ -116,6 +119,7 @@ absl::StatusOr<bool> ShapeVerification::Compare(std::size_t structure, const Eig
 }
 
 void ShapeVerification::Report(v1::MapVerification& verification) const {
+  verification.set_shapeless(shapeless_);
   verification.set_unmapped(unmapped_);
   if (shape_.designs == 0) return;
   Add("", "", shape_.worst, shape_.mean / shape_.designs, verification);

@@ -33,7 +33,8 @@ class ShapeVerification {
   // Compares the map at a place of the unit box (K) of a structure with the design that is truly
   // there, its shape and fields. Of one that cannot be brought into the canonical mesh, as its
   // topology is another one, the shape alone is compared. Returns whether the map has a shape
-  // there. DATA_LOSS where files of the map are damaged; fails as fields::Check, "truth".
+  // there, and counts where it has metrics instead. DATA_LOSS where files of the map are damaged;
+  // fails as fields::Check, "truth".
   absl::StatusOr<bool> Compare(std::size_t structure, const Eigen::VectorXd& place,
                                const fields::DesignFields& truth);
 
@@ -61,7 +62,8 @@ class ShapeVerification {
   std::pair<std::size_t, int> prepared_of_;
   std::unique_ptr<PreparedMesh> prepared_;
   Figures shape_;
-  int unmapped_ = 0;             // of those, designs whose fields could not be compared
+  int shapeless_ = 0;            // designs that the map has metrics of, and no shape
+  int unmapped_ = 0;             // of those compared, designs whose fields could not be
   std::vector<Figures> fields_;  // in the order of DesignMap.shapes.fields
 };
 

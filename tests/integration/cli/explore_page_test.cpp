@@ -228,6 +228,31 @@ TEST_F(ExplorePageTest, DrawsShapesBetweenSamples) {
   EXPECT_GT(drawn, 8);
 }
 
+TEST_F(ExplorePageTest, ShowsMetricsWhereThereIsNoShape) {
+  Example example = MakeExample(2, maps::Basis::kLinear, 1);
+  AddVases(example.exported[0]);
+  *example.map.mutable_shapes() = VaseShapes();
+  example.map.mutable_shapes()->set_unmapped(3);
+  // Every other element.
+  v1::MapTree& tree = example.exported[0].tree;
+  for (int e = 0; e < tree.meshes_size(); e += 2) tree.set_meshes(e, -1);
+  example.map.set_shapeless_elements((tree.meshes_size() + 1) / 2);
+  const auto designs = RandomDesigns(example, 30);
+  const Json told = Open(MapPage(example.map, example.exported).value(), designs);
+  CompareAll(example, designs, told);
+  EXPECT_EQ(told["faults"], Json::array());
+  int with = 0, without = 0;
+  for (const Json& answer : told["answers"]) {
+    if (answer["values"].is_null()) continue;
+    const bool has_shape = !answer["positions"].is_null();
+    EXPECT_EQ(answer["saysNoShape"], !has_shape);
+    EXPECT_EQ(answer["colours"].get<int>() > 100, has_shape);
+    ++(has_shape ? with : without);
+  }
+  EXPECT_GT(with, 3);
+  EXPECT_GT(without, 3);
+}
+
 TEST_F(ExplorePageTest, DrawsWhatTheServiceAnswersWith) {
   interpolator::testing::StoredBars bars;
   v1::DesignMap map = bars.map()->record;

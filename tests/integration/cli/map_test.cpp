@@ -27,6 +27,7 @@ namespace {
 using Json = nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr char kBuilding[] = "operations/interpolator/1";
 
@@ -94,9 +95,15 @@ class PlayedInterpolator final : public v1::InterpolatorService::Service {
 
   grpc::Status GetMap(grpc::ServerContext*, const v1::GetMapRequest* request,
                       v1::DesignMap* response) override {
-    if (request->name() != "maps/m") return rpc::ToGrpc(ResourceNotFound(request->name()));
     *response = KnownMap();
-    return grpc::Status::OK;
+    if (request->name() == "maps/shapeless") {
+      response->set_cut_off_elements(0);
+      response->set_shapeless_elements(3);
+      response->mutable_verification()->set_shapeless(2);
+      return grpc::Status::OK;
+    }
+    return request->name() == "maps/m" ? grpc::Status::OK
+                                       : rpc::ToGrpc(ResourceNotFound(request->name()));
   }
 
   grpc::Status ListMaps(grpc::ServerContext*, const v1::ListMapsRequest* request,
@@ -134,7 +141,8 @@ class PlayedInterpolator final : public v1::InterpolatorService::Service {
       if (!request.has_to()) continue;
       v1::MapShape shape;
       shape.set_uncovered(request.to().point(1) > 4);
-      if (!shape.uncovered()) {
+      shape.set_shapeless(request.to().point(0) > 4);
+      if (!shape.uncovered() && !shape.shapeless()) {
         shape.mutable_new_mesh()->set_triangles(Bytes<int>({0, 1}));
         shape.mutable_new_mesh()->set_more(true);
         stream->Write(shape);
@@ -352,6 +360,18 @@ TEST_F(MapCommands, WhereThereAreNoValuesTheyAreSaidToLackForShapes) {
       Refusal({"shape", "maps/m", "--at", "a=1,b=5", "--output", "never.stl"});
   EXPECT_EQ(DetailOf(refusal).field, "--at");
   EXPECT_THAT(refusal.message(), HasSubstr("lies where shapes could not be brought"));
+}
+
+TEST_F(MapCommands, WhereThereAreNoShapesMetricsAreSaidToBeThere) {
+  const std::string shown = Print({"show", "maps/shapeless"});
+  EXPECT_THAT(shown, Not(HasSubstr("no values")));
+  EXPECT_THAT(shown, HasSubstr("3 of 8 elements have metrics and no shapes, as shapes could not"));
+  EXPECT_THAT(shown, HasSubstr("it has a hole more"));
+  EXPECT_THAT(shown, HasSubstr("the map has no shape of 2 of them: their metrics are compared"));
+  const absl::Status refusal =
+      Refusal({"shape", "maps/m", "--at", "a=5,b=1", "--output", "never.stl"});
+  EXPECT_EQ(DetailOf(refusal).field, "--at");
+  EXPECT_THAT(refusal.message(), HasSubstr("the map has metrics there, and no shape"));
 }
 
 TEST_F(MapCommands, ShapeWritesOneDesign) {

@@ -27,6 +27,7 @@ class BarFiles : public v1::SimulatorService::Service {
     for (int i = 1; is_each_apart_ && i < CellsOf(x); ++i) {
       design.parts.push_back("part " + std::to_string(i));
     }
+    if (IsOther(x)) design.parts.push_back("another");
     std::erase_if(design.fields, [&](const fields::Field& field) {
       return std::ranges::find(wanted.fields(), field.name) == wanted.fields().end();
     });
@@ -78,6 +79,11 @@ class BarFiles : public v1::SimulatorService::Service {
     const std::lock_guard lock(mutex_);
     is_each_apart_ = true;
   }
+  // From now on designs beyond this x have a part more, so that they are in no mesh of the others.
+  void SetOtherBeyond(double x) {
+    const std::lock_guard lock(mutex_);
+    other_beyond_ = x;
+  }
   // From now on files of designs with this x are cut short.
   void Spoil(double x) {
     const std::lock_guard lock(mutex_);
@@ -95,6 +101,11 @@ class BarFiles : public v1::SimulatorService::Service {
     return numbers_.try_emplace(x, 2 + static_cast<int>(numbers_.size())).first->second;
   }
 
+  bool IsOther(const std::vector<double>& x) {
+    const std::lock_guard lock(mutex_);
+    return other_beyond_ && x[0] > *other_beyond_;
+  }
+
   bool IsSpoilt(const std::vector<double>& x) {
     const std::lock_guard lock(mutex_);
     return spoilt_ == x[0];
@@ -104,6 +115,7 @@ class BarFiles : public v1::SimulatorService::Service {
   std::map<std::vector<double>, int> numbers_;  // of designs that are each apart
   bool is_each_apart_ = false;
   std::optional<double> spoilt_;              // x
+  std::optional<double> other_beyond_;        // x
   std::map<std::string, std::string> files_;  // by digest
   bool lose_each_ = false;
   int cells_ = 3;

@@ -141,6 +141,45 @@ TEST_F(ShapedMapsTest, SaysWhyNoDesignIsInAnyMesh) {
   EXPECT_EQ(listed.maps_size(), 0);
 }
 
+TEST_F(ShapedMapsTest, HasMetricsWhereTopologyChanges) {
+  evaluator_.files().SetOtherBeyond(0.6);
+  const v1::DesignMap map = Built(ShapeRequest(120));
+  EXPECT_EQ(map.cut_off_elements(), 0);
+  EXPECT_GT(map.shapeless_elements(), 0);
+  EXPECT_LT(map.shapeless_elements(), map.elements());
+  EXPECT_EQ(map.structures(0).shapeless_elements(), map.shapeless_elements());
+  EXPECT_GT(map.shapes().unmapped(), 0);
+  EXPECT_EQ(map.shapes().meshes(), 2);
+  const v1::EvaluateMapResponse metrics = Evaluate(map.name(), {0.6, 11, 0.2, 11});
+  EXPECT_EQ(metrics.uncovered_size(), 0);
+  EXPECT_NEAR(metrics.values(0), MassOf(0.6, 11), 0.05);
+  const v1::MapShape shapeless = Shape(At(map.name(), 0.6, 11));
+  EXPECT_TRUE(shapeless.shapeless());
+  EXPECT_FALSE(shapeless.uncovered());
+  EXPECT_EQ(shapeless.values(0), metrics.values(0));
+  EXPECT_TRUE(shapeless.positions().empty());
+  EXPECT_FALSE(Shape(At(map.name(), 0.2, 11)).shapeless());
+  EXPECT_FALSE(Shape(At(map.name(), 0.95, 11)).shapeless());
+
+  Following following = Follow(map.name());
+  following.To(1, 0.6, 11);
+  const v1::MapShape followed = following.Next();
+  EXPECT_TRUE(followed.shapeless());
+  EXPECT_FALSE(followed.has_new_mesh());
+  following.End();
+  EXPECT_TRUE(following.Finish().ok());
+
+  v1::VerifyMapRequest request;
+  request.set_request_id(NewIdentifier());
+  request.set_name(map.name());
+  for (const double number : {0.6, 11.0, 0.2, 11.0}) request.add_points(number);
+  const v1::MapVerification found = MapOf(Wait(Verify(request).name())).verification();
+  EXPECT_EQ(found.uncovered(), 0);
+  EXPECT_EQ(found.shapeless(), 1);
+  EXPECT_EQ(found.differences_size(), 1);
+  EXPECT_EQ(found.shapes_size(), 3);
+}
+
 TEST_F(ShapedMapsTest, FollowsTheNewestPointAndSendsTheMeshOnce) {
   const v1::DesignMap map = Built(ShapeRequest(40));
   Following following = Follow(map.name());

@@ -7,7 +7,7 @@ import { rangeOf, colourRow } from "../../../../cli/explore/page/colour_scale.mj
 import { Camera } from "../../../../cli/explore/page/camera.mjs";
 import { DesignSpace, readHash, writeHash } from "../../../../cli/explore/page/design_state.mjs";
 import { designAsCsv, designAsJson } from "../../../../cli/explore/page/downloads.mjs";
-import { causesOf, reasonsOf, whyNoValues } from "../../../../cli/explore/page/missing_values.mjs";
+import { causesOf, notesOnShapes, reasonsOf, whyNoShape, whyNoValues } from "../../../../cli/explore/page/missing_values.mjs";
 import { MapTree } from "../../../../cli/explore/page/map_tree.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "../../../../cli/explore/page/number_format.mjs";
 import { unfoldSteps } from "../../../../cli/explore/page/packed_numbers.mjs";
@@ -81,16 +81,28 @@ test("a tree is interpolated, and has no values where it is cut off", () => {
 test("why there are no values is told of evaluations and of shapes", () => {
   const failures = [{ count: 4, message: "the neck closes" }];
   const unmappedFailures = [{ count: 2, message: "has a hole more" }];
-  const failed = { failures, unmapped: 0, unmappedFailures: [] };
+  const failed = { failures, unmapped: 0, shapeless: 0, unmappedFailures: [] };
   assert.equal(causesOf(failed), "evaluations failed");
   assert.equal(whyNoValues(failed), "Around this design evaluations failed, as: the neck closes");
-  const unmapped = { failures: [], unmapped: 3, unmappedFailures };
+  // As earlier versions built maps.
+  const unmapped = { failures: [], unmapped: 3, shapeless: 0, unmappedFailures };
   assert.equal(causesOf(unmapped), "shapes could not be brought into one mesh");
   assert.deepEqual(reasonsOf(unmapped), unmappedFailures);
   assert.match(whyNoValues(unmapped), /^Around this design shapes .*, as: has a hole more$/);
-  const both = { failures, unmapped: 3, unmappedFailures: [] };
+  const both = { failures, unmapped: 3, shapeless: 0, unmappedFailures: [] };
   assert.equal(causesOf(both), "evaluations failed or shapes could not be brought into one mesh");
   assert.deepEqual(reasonsOf(both).map(({ count }) => count), [4, 3]);
+});
+
+test("why there are no shapes is told beside the metrics", () => {
+  const map = { failures: [{ count: 4, message: "the neck closes" }], unmapped: 3, shapeless: 2, elements: 9,
+    unmappedFailures: [{ count: 2, message: "has a hole more" }] };
+  assert.equal(causesOf(map), "evaluations failed");
+  assert.deepEqual(reasonsOf(map), map.failures);
+  assert.match(whyNoShape(map), /one mesh, as: has a hole more\. The metrics are valid\.$/);
+  assert.match(notesOnShapes(map)[0], /^No shape in 2 of 9 parts .* metrics are valid there:$/);
+  assert.deepEqual(notesOnShapes(map).slice(1), ["2 × has a hole more"]);
+  assert.deepEqual(notesOnShapes({ ...map, shapeless: 0 }), []);
 });
 
 test("steps unfold to what was folded", () => {

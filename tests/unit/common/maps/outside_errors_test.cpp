@@ -230,37 +230,62 @@ TEST(OutsideErrors, AreAwaitedAgainWhereInterpolationChanges) {
 
 // As where a hole appears at x = 0.6, whatever y: elements that hold both kinds cannot be
 // interpolated.
-TEST(OutsideErrors, CutOffWhatCannotBeInterpolatedAlongItsOwnDirections) {
-  const auto has_hole = [](const Eigen::VectorXd& x) { return x[0] > .6; };
-  const Outside topology = [&](const MapSampling& sampling, int element) {
-    OutsideError error;
-    int holes = 0;
-    for (const int sample : sampling.tree().ElementSamples(element)) {
-      holes += has_hole(sampling.PositionOf(sampling.PointOfSample(sample))) ? 1 : 0;
-    }
-    error.failed =
-        holes != 0 && holes != static_cast<int>(sampling.tree().ElementSamples(element).size());
-    error.bending = Eigen::Vector2d(1, 0);
-    return error;
-  };
+const Outside kHole = [](const MapSampling& sampling, int element) {
+  OutsideError error;
+  const std::vector<int>& samples = sampling.tree().ElementSamples(element);
+  const auto holes = std::count_if(samples.begin(), samples.end(), [&](int sample) {
+    return sampling.PositionOf(sampling.PointOfSample(sample))[0] > .6;
+  });
+  error.failed = holes != 0 && holes != static_cast<std::ptrdiff_t>(samples.size());
+  error.bending = Eigen::Vector2d(1, 0);
+  return error;
+};
+
+TEST(OutsideErrors, MakeSmallWhatCannotBeInterpolatedAlongItsOwnDirections) {
   MapSampling sampling = Sampling(2, 0, {.budget = 300, .tolerance = .1, .cut_off_depth = 4});
-  Answer(sampling, kNoValues, topology);
-  EXPECT_GT(sampling.Progress().cut_off, 0);
+  Answer(sampling, kNoValues, kHole);
+  EXPECT_EQ(sampling.Progress().cut_off, 0);
   EXPECT_EQ(sampling.Progress().failed, 0);
+  EXPECT_EQ(sampling.Progress().outside_error, 0);
   const auto map = *InterpolationMap::Create(*sampling.Content());
-  Random random(4);
-  int lost = 0;
-  for (int n = 0; n < 1000; ++n) {
-    const Eigen::VectorXd point = RandomPoint(2, random);
-    const int element = map.tree().Locate(point);
-    const bool has_value = map.EvaluateOne(point.data(), nullptr, nullptr, nullptr);
-    EXPECT_EQ(has_value, !sampling.IsCutOff(element));
-    if (has_value) continue;
-    ++lost;
-    EXPECT_NEAR(point[0], .6, 1.0 / 16);
+  int lacking = 0;
+  for (const int element : map.tree().Elements()) {
+    if (!kHole(sampling, element).failed) continue;
+    ++lacking;
+    const ElementBox box = map.tree().BoxOf(element);
+    EXPECT_NEAR((box.low[0] + box.high[0]) / 2, .6, 1.0 / 32);
     EXPECT_LE(map.tree().DepthOf(element, 1), 2);
   }
-  EXPECT_GT(lost, 20);
+  EXPECT_GT(lacking, 0);
+  EXPECT_EQ(sampling.Progress().lacking_outside, lacking);
+}
+
+// Values there are as exact as elsewhere, however small the budget for what fails is.
+TEST(OutsideErrors, LeaveOutputsTheirValuesWhereTheyFail) {
+  const auto bump = [](const Eigen::VectorXd& x) {
+    return std::exp(-40 * (Eigen::Vector2d(x) - Eigen::Vector2d(.6, .5)).squaredNorm());
+  };
+  const Values values = [&](const Eigen::VectorXd& x) {
+    return Eigen::VectorXd::Constant(1, bump(x));
+  };
+  MapSampling sampling = Sampling(2, 1, {.budget = 2000, .tolerance = .02, .cut_off_depth = 2});
+  Answer(sampling, values, kHole);
+  EXPECT_GT(sampling.Progress().lacking_outside, 0);
+  EXPECT_LE(sampling.Progress().errors.largest[0], .02);
+  EXPECT_LT(sampling.Progress().asked, 2000);
+  const auto map = *InterpolationMap::Create(*sampling.Content());
+  Random random(4);
+  int there = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Eigen::VectorXd point = RandomPoint(2, random);
+    double value = 0, error = 0;
+    ASSERT_TRUE(map.EvaluateOne(point.data(), &value, &error, nullptr));
+    EXPECT_NEAR(value, bump(point), .05);
+    const bool fails = kHole(sampling, map.tree().Locate(point)).failed;
+    there += fails ? 1 : 0;
+    if (fails) EXPECT_LE(error, .02);
+  }
+  EXPECT_GT(there, 100);
 }
 
 TEST(OutsideErrors, LeaveTheMapAsItWasUntilAllAreTold) {

@@ -162,14 +162,38 @@ TEST(ShapeBuildingTest, GivesMeshesOfTheirOwnToWhatHasAnotherTopology) {
     }
   }
   EXPECT_GT(lost, 10);
-  // What is cut off is only along x: the hole does not depend on y.
-  const maps::RefinementTree& tree = building->structures()[0]->tree();
-  for (const int element : tree.Elements()) {
-    if (!building->structures()[0]->IsCutOff(element)) continue;
-    EXPECT_LE(tree.DepthOf(element, 1), 2);
+  // What has no shape is made small only along x: the hole does not depend on y.
+  const maps::MapContent content = building->structures()[0]->Content().value();
+  EXPECT_THAT(content.cut_off, testing::Each(0));
+  const auto tree = maps::RefinementTree::Replay(2, content.basis, content.options, content.splits);
+  std::size_t order = 0;
+  for (const int element : tree->Elements()) {
+    if (served.structure().element_mesh[order++] >= 0) continue;
+    EXPECT_LE(tree->DepthOf(element, 1), 2);
   }
   const BuildOptions one = BlockOptions(plan, shelf, 1, 1, 1, HoleBeyond);
   ExpectSame(*building, *Built(plan, one));
+}
+
+TEST(ShapeBuildingTest, HasMetricsWhereItHasNoShapes) {
+  FileShelf shelf;
+  const MapPlan plan = BlockPlan(120, 1);
+  const BuildOptions options = BlockOptions(plan, shelf, 4, 4, 2, HoleBeyond);
+  const auto building = Built(plan, options);
+  const ServedShapes served(*building, shelf);
+  const auto map = *maps::InterpolationMap::Create(*building->structures()[0]->Content());
+  int shapeless = 0;
+  Random random(3);
+  for (int n = 0; n < 500; ++n) {
+    const Eigen::Vector2d point(random.Uniform(), random.Uniform());
+    double value = 0, error = 0;
+    ASSERT_TRUE(map.EvaluateOne(point.data(), &value, &error, nullptr));
+    const auto truth = options.evaluate({point});
+    EXPECT_NEAR(value, truth->front().values[0], 0.05);
+    shapeless += served.MeshAt(point) < 0 ? 1 : 0;
+  }
+  EXPECT_GT(shapeless, 10);
+  EXPECT_GT(served.structure().unmapped, 0);
 }
 
 TEST(ShapeBuildingTest, GivesEachStructureMeshesOfItsOwn) {

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(ShapeFailuresTest, CutsOffAllWhereNothingCanBeMapped) {
+TEST(ShapeFailuresTest, HasNoShapesWhereNothingCanBeMapped) {
   FileShelf shelf;
   const MapPlan plan = BlockPlan(100, 0);
   BuildOptions options = BlockOptions(plan, shelf, 4, 4, 2);
@@ -26,6 +26,7 @@ TEST(ShapeFailuresTest, CutsOffAllWhereNothingCanBeMapped) {
   EXPECT_THAT(structure.element_mesh, testing::Each(-1));
   EXPECT_TRUE(structure.meshes.empty());
   EXPECT_TRUE(structure.shapes.empty());
+  EXPECT_THAT(building->structures()[0]->Content()->cut_off, testing::Each(0));
   const BuildProgress progress = building->progress();
   EXPECT_EQ(progress.failed, 0);
   EXPECT_EQ(progress.shapes, 0);

@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-
 #include "common/base/errors.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/services/interpolator/records/kept_versions.h"

@@ -66,9 +66,8 @@ TEST(KeptShapesTest, IsNotThatOfAnotherVersionButGoesWithIt) {
   const mortise::testing::TemporaryFolder folder;
   const auto store =
       store::OpenStore({.url = "sqlite:" + (folder.path() / "store.db").string()}).value();
-  const absl::Status put = store->Transact([](store::Transaction& transaction) {
-    return PutShapes(transaction, "build", Some(0));
-  });
+  const absl::Status put = store->Transact(
+      [](store::Transaction& transaction) { return PutShapes(transaction, "build", Some(0)); });
   ASSERT_TRUE(put.ok()) << put;
   testing::MakeOld(*store, "mapShapes", "build");
   EXPECT_EQ(testing::RecordsOf(*store, "mapShapes", "build").size(), 2u);

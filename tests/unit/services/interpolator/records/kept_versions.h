@@ -24,8 +24,8 @@ inline std::vector<store::Record> RecordsOf(store::Store& store, const std::stri
   return records;
 }
 
-// Puts what is kept of the build under the keys of an earlier version in place of the present one's,
-// and without any version, as it was before there were some.
+// Puts what is kept of the build under the keys of an earlier version in place of the present
+// one's, and without any version, as it was before there were some.
 inline void MakeOld(store::Store& store, const std::string& kind, const std::string& id) {
   const absl::Status put = store.Transact([&](store::Transaction& transaction) -> absl::Status {
     for (const store::Record& record : RecordsOf(store, kind, id)) {

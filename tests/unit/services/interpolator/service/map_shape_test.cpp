@@ -169,11 +169,30 @@ TEST(MapShapeTest, CountsAllThatMeshesTakeInMemory) {
 }
 
 TEST(MapShapeTest, SaysWhereTheMapHasNothing) {
-  StoredBars bars(3, /*is_cut_off=*/true);
+  StoredBars bars(3, StoredBars::Has::kNothing);
   const v1::MapShape shape = Answer(bars, At(0.5, 11));
   EXPECT_TRUE(shape.uncovered());
+  EXPECT_FALSE(shape.shapeless());
   EXPECT_TRUE(shape.positions().empty());
   EXPECT_EQ(shape.values_size(), 0);
+}
+
+TEST(MapShapeTest, HasMetricsWhereItHasNoShape) {
+  StoredBars bars(3, StoredBars::Has::kMetrics);
+  v1::EvaluateMapShapeRequest asked = At(0.5, 11);
+  const v1::MapShape shape = Answer(bars, asked);
+  EXPECT_FALSE(shape.uncovered());
+  EXPECT_TRUE(shape.shapeless());
+  EXPECT_FALSE(shape.has_new_mesh());
+  EXPECT_TRUE(shape.positions().empty());
+  EXPECT_EQ(shape.fields_size(), 0);
+  ASSERT_EQ(shape.values_size(), 1);
+  EXPECT_NEAR(shape.values(0), 3.5, 1e-12);
+  EXPECT_EQ(shape.metric_errors(0), 0.25);
+  // Whatever the caller has, there is no mesh to be sent.
+  asked.set_known_structure(0);
+  asked.set_known_mesh(7);
+  EXPECT_FALSE(Answer(bars, asked).has_new_mesh());
 }
 
 TEST(MapShapeTest, SaysWhatIsTooLargeForAMessage) {

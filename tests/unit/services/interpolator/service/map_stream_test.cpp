@@ -118,11 +118,19 @@ TEST(MapStreamTest, HasErrorsOfFieldsInTheOrderOfTheMap) {
 }
 
 TEST(MapStreamTest, SaysWhatIsCutOff) {
-  StoredBars bars(3, /*is_cut_off=*/true);
+  StoredBars bars(3, StoredBars::Has::kNothing);
   const auto streamed = Stream(bars, Demand(bars, v1::SURFACE));
   ASSERT_TRUE(streamed.ok());
   EXPECT_EQ(streamed->tree.meshes(0), -1);
   EXPECT_TRUE(streamed->tree.cut_off(0));
+}
+
+TEST(MapStreamTest, SaysWhatHasMetricsAlone) {
+  StoredBars bars(3, StoredBars::Has::kMetrics);
+  const auto streamed = Stream(bars, Demand(bars, v1::SURFACE));
+  ASSERT_TRUE(streamed.ok());
+  EXPECT_EQ(streamed->tree.meshes(0), -1);
+  EXPECT_FALSE(streamed->tree.cut_off(0));
 }
 
 TEST(MapStreamTest, EndsWhereAFileIsGone) {

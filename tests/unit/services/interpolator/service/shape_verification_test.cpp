@@ -48,6 +48,24 @@ TEST(ShapeVerificationTest, SaysHowManyDesignsHaveNoFiguresOfFields) {
   EXPECT_EQ(none.shapes_size(), 1);
 }
 
+TEST(ShapeVerificationTest, SaysHowManyDesignsTheMapHasNoShapeOf) {
+  for (const auto has : {StoredBars::Has::kMetrics, StoredBars::Has::kNothing}) {
+    StoredBars bars(3, has);
+    const auto map = bars.map();
+    ShapeVerification verification(*map, bars.shapes());
+    for (int i = 0; i < 2; ++i) {
+      const auto compared =
+          verification.Compare(0, Eigen::Vector2d(0.25, 0.5), BarDesign(0.25, 11));
+      EXPECT_TRUE(compared.ok() && !*compared) << compared.status();
+    }
+    v1::MapVerification found;
+    verification.Report(found);
+    EXPECT_EQ(found.shapeless(), has == StoredBars::Has::kMetrics ? 2 : 0);
+    EXPECT_EQ(found.unmapped(), 0);
+    EXPECT_EQ(found.shapes_size(), 0);
+  }
+}
+
 TEST(ShapeVerificationTest, TellsOfFieldsThatAreConstantInTheMapAlone) {
   StoredBars bars;
   LoadedMap map{bars.map()->record, bars.map()->structures, bars.map()->shapes};

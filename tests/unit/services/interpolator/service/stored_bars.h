@@ -25,11 +25,13 @@ namespace mortise::interpolator::testing {
 using mortise::testing::BarDesign;
 using mortise::testing::BarStress;
 
-// maps/bars, over x in [0, 1] and y in [10, 12], of one element: its metric "mass" is 3 + x, and
-// where `is_cut_off` it has no values at all. How far it is off is made up.
+// maps/bars, over x in [0, 1] and y in [10, 12], of one element: its metric "mass" is 3 + x, unless
+// it has no shapes, or nothing at all. How far it is off is made up.
 class StoredBars {
  public:
-  explicit StoredBars(int cells = 3, bool is_cut_off = false) {
+  enum class Has { kAll, kMetrics, kNothing };
+
+  explicit StoredBars(int cells = 3, Has has = Has::kAll) {
     store_ = store::OpenStore({.url = "sqlite:" + (folder_.path() / "store.db").string(),
                                .blob_folder = folder_.path() / "blobs"})
                  .value();
@@ -37,11 +39,11 @@ class StoredBars {
     maps::MapContent content;
     content.dimension = 2;
     content.errors = Eigen::MatrixXd::Constant(1, 1, 0.25);
-    content.cut_off = {static_cast<std::uint8_t>(is_cut_off ? 1 : 0)};
+    content.cut_off = {static_cast<std::uint8_t>(has == Has::kNothing ? 1 : 0)};
     const auto tree = maps::RefinementTree::Create(2, maps::Basis::kLinear).value();
     content.values.resize(1, tree.sample_count());
     StoredShapes shapes;
-    shapes.element_meshes = {is_cut_off ? -1 : 0};
+    shapes.element_meshes = {has == Has::kAll ? 0 : -1};
     shapes.shape_errors = Eigen::VectorXd::Constant(1, 0.125);
     shapes.field_errors = Eigen::Vector2d(2e4, 0.5);
     mesh_ = std::make_shared<const CanonicalMesh>(
