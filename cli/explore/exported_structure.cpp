@@ -30,6 +30,31 @@ void AddSample(Sample sample, std::vector<Sample>& samples) {
   }
 }
 
+// A region that comes in several messages, which all name it, is one.
+void AddRegion(v1::MapMesh::Region region, v1::MapMesh& mesh) {
+  const auto known = std::ranges::find_if(
+      *mesh.mutable_regions(), [&](const auto& one) { return one.name() == region.name(); });
+  if (known == mesh.mutable_regions()->end()) {
+    *mesh.add_regions() = std::move(region);
+  } else {
+    known->mutable_triangles()->append(region.triangles());
+  }
+}
+
+void AddMesh(v1::MapMesh part, std::vector<v1::MapMesh>& meshes) {
+  if (meshes.empty() || !meshes.back().more()) {
+    meshes.push_back(std::move(part));
+    return;
+  }
+  v1::MapMesh& mesh = meshes.back();
+  mesh.mutable_triangles()->append(part.triangles());
+  mesh.mutable_tetrahedra()->append(part.tetrahedra());
+  mesh.mutable_parts()->append(part.parts());
+  mesh.mutable_part_names()->MergeFrom(part.part_names());
+  for (v1::MapMesh::Region& region : *part.mutable_regions()) AddRegion(std::move(region), mesh);
+  mesh.set_more(part.more());
+}
+
 }  // namespace
 
 void AddPart(v1::MapExportPart part, ExportedStructure& structure) {
@@ -39,20 +64,9 @@ void AddPart(v1::MapExportPart part, ExportedStructure& structure) {
       structure.tree.MergeFrom(part.tree());
       structure.tree.set_more(part.tree().more());
       break;
-    case v1::MapExportPart::kMesh: {
-      if (structure.meshes.empty() || !structure.meshes.back().more()) {
-        structure.meshes.push_back(std::move(*part.mutable_mesh()));
-        break;
-      }
-      v1::MapMesh& mesh = structure.meshes.back();
-      mesh.mutable_triangles()->append(part.mesh().triangles());
-      mesh.mutable_tetrahedra()->append(part.mesh().tetrahedra());
-      mesh.mutable_parts()->append(part.mesh().parts());
-      mesh.mutable_part_names()->MergeFrom(part.mesh().part_names());
-      mesh.mutable_regions()->MergeFrom(part.mesh().regions());
-      mesh.set_more(part.mesh().more());
+    case v1::MapExportPart::kMesh:
+      AddMesh(std::move(*part.mutable_mesh()), structure.meshes);
       break;
-    }
     case v1::MapExportPart::kSample:
       AddSample(std::move(*part.mutable_sample()), structure.samples);
       break;

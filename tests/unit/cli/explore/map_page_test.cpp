@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "tests/unit/cli/explore/vase_map.h"
@@ -167,6 +169,33 @@ TEST(AddPartTest, PutsTogetherWhatOneMessageCannotHold) {
     EXPECT_EQ(structure.samples.back().SerializeAsString(), shape.SerializeAsString());
   }
   EXPECT_EQ(structure.samples.size(), 2u);
+}
+
+TEST(AddPartTest, JoinsRegionsOfOneName) {
+  ExportedStructure structure;
+  const auto add = [&](const std::vector<std::pair<const char*, const char*>>& regions, bool more) {
+    v1::MapExportPart part;
+    part.mutable_mesh()->set_more(more);
+    for (const auto& [name, triangles] : regions) {
+      v1::MapMesh::Region& region = *part.mutable_mesh()->add_regions();
+      region.set_name(name);
+      region.set_triangles(triangles);
+    }
+    AddPart(part, structure);
+  };
+  add({{"held", "aaaa"}, {"pulled", "bbbb"}}, true);
+  add({{"pulled", "cccc"}}, true);
+  add({{"pulled", "dddd"}, {"empty", ""}}, false);
+  // Of another mesh.
+  add({{"held", "eeee"}}, false);
+  ASSERT_EQ(structure.meshes.size(), 2u);
+  const v1::MapMesh& mesh = structure.meshes[0];
+  ASSERT_EQ(mesh.regions_size(), 3);
+  EXPECT_EQ(mesh.regions(0).triangles(), "aaaa");
+  EXPECT_EQ(mesh.regions(1).name(), "pulled");
+  EXPECT_EQ(mesh.regions(1).triangles(), "bbbbccccdddd");
+  EXPECT_EQ(mesh.regions(2).name(), "empty");
+  EXPECT_EQ(structure.meshes[1].regions(0).triangles(), "eeee");
 }
 
 }  // namespace
