@@ -30,8 +30,7 @@ MeshMapper::MeshMapper(ModelMesh target, LayoutOptions layout)
 absl::StatusOr<std::unique_ptr<const MeshMapper>> MeshMapper::Create(
     ModelMesh target, const MeshMapOptions& options) {
   auto mapper = std::unique_ptr<MeshMapper>(new MeshMapper(std::move(target), options.layout));
-  MORTISE_ASSIGN_OR_RETURN(mapper->outer_,
-                           OuterSurfaceOf({mapper->target_.mesh, {}, {}}, "target"));
+  mapper->outer_ = OuterSurfaceOf(mapper->target_.mesh);
   auto marked = PlaceControlVariables(mapper->outer_.marked.surface, mapper->target_.variables);
   if (!marked.ok()) return UnderField("target", marked.status());
   mapper->marked_ = *std::move(marked);
@@ -42,8 +41,7 @@ absl::StatusOr<std::unique_ptr<const MeshMapper>> MeshMapper::Create(
 }
 
 absl::StatusOr<MeshMap> MeshMapper::Map(const ModelMesh& source) const {
-  MORTISE_ASSIGN_OR_RETURN(const OuterSurface of_source,
-                           OuterSurfaceOf({source.mesh, {}, {}}, "source"));
+  const OuterSurface of_source = OuterSurfaceOf(source.mesh);
   const auto marked = PlaceControlVariables(of_source.marked.surface, source.variables);
   if (!marked.ok()) return UnderField("source", marked.status());
   MeshMap map;

@@ -16,7 +16,7 @@
 #include "absl/status/statusor.h"
 #include "common/mesh/control_variables.h"
 #include "common/mesh/surface_mesh.h"
-#include "services/interpolator/mapping/mesh_map.h"
+#include "services/interpolator/mapping/outer_surface.h"
 
 namespace mortise::interpolator {
 

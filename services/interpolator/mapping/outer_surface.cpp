@@ -1,7 +1,9 @@
 #include "services/interpolator/mapping/outer_surface.h"
 
 #include <algorithm>
+#include <cstddef>
 
+#include "common/mesh/element_faces.h"
 #include "services/interpolator/mapping/barycentric.h"
 #include "services/interpolator/mapping/sheet_separation.h"
 
@@ -19,6 +21,16 @@ int DirectionOf(const mesh::SurfaceMesh& surface, int triangle) {
   const double off = (normal - normal[axis] * Eigen::Vector3d::Unit(axis)).norm();
   if (!(along > 0.5) || off > kFlat) return -1;
   return 2 * axis + (normal[axis] > 0 ? 1 : 0);
+}
+
+// Returns the row of the node in the middle of the edge between two corners of an element.
+int MiddleOf(int a, int b) {
+  int row = 4;
+  for (const auto& [from, to] : mesh::kTetrahedronEdges) {
+    if ((from == a && to == b) || (from == b && to == a)) break;
+    ++row;
+  }
+  return row;
 }
 
 }  // namespace
@@ -45,6 +57,23 @@ OuterSurface MakeOuterSurface(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix
   }
   surface.vertices = nodes(Eigen::all, outer.node);
   return outer;
+}
+
+OuterSurface OuterSurfaceOf(const mesh::TetrahedralMesh& mesh) {
+  const std::vector<mesh::ElementFace> faces = mesh::ElementFaces(mesh).Outer();
+  Eigen::Matrix3Xi triangles(3, static_cast<Eigen::Index>(faces.size())), middles;
+  if (mesh.IsQuadratic()) middles.resize(3, triangles.cols());
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    const mesh::ElementFace& face = faces[static_cast<std::size_t>(t)];
+    const auto& corners = mesh::kTetrahedronFaces[static_cast<std::size_t>(face.side)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      triangles(row, t) = mesh.tetrahedra(corners[k], face.element);
+      if (!mesh.IsQuadratic()) continue;
+      middles(row, t) = mesh.tetrahedra(MiddleOf(corners[k], corners[(k + 1) % 3]), face.element);
+    }
+  }
+  return MakeOuterSurface(mesh.nodes, triangles, middles);
 }
 
 std::vector<TrianglePlace> PlacesBeforeMarking(const mesh::SurfaceMesh& given,

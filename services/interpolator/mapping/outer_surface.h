@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/mesh/tetrahedral_mesh.h"
 #include "services/interpolator/mapping/disk_map.h"
 #include "services/interpolator/mapping/marked_surface.h"
 #include "services/interpolator/mapping/surface_map.h"
@@ -31,6 +32,9 @@ struct NodePlace {
 // triangles name them, copies for other sheets behind them. `middles`: 3 × T, or empty.
 OuterSurface MakeOuterSurface(const Eigen::Matrix3Xd& nodes, const Eigen::Matrix3Xi& triangles,
                               const Eigen::Matrix3Xi& middles = {});
+
+// Makes the surface of all parts of a mesh together.
+OuterSurface OuterSurfaceOf(const mesh::TetrahedralMesh& mesh);
 
 // Returns places that `map` found in triangles of `marked`, of the first `count` vertices, as
 // places in the triangles of the surface that its control variables were placed on.

@@ -366,12 +366,4 @@ absl::StatusOr<VolumeMap> VolumeMapper::Map(const Eigen::Matrix3Xd& positions,
   return map;
 }
 
-absl::StatusOr<VolumeMap> MapVolume(const mesh::TetrahedralMesh& mesh,
-                                    const std::vector<int>& outer,
-                                    const Eigen::Matrix3Xd& positions,
-                                    const VolumeMapOptions& options) {
-  MORTISE_ASSIGN_OR_RETURN(const auto mapper, VolumeMapper::Create(mesh, outer, options));
-  return mapper->Map(positions);
-}
-
 }  // namespace mortise::interpolator

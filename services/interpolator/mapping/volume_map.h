@@ -64,12 +64,6 @@ class VolumeMapper {
   std::unique_ptr<State> state_;
 };
 
-// Does the same once. Fails as VolumeMapper does.
-absl::StatusOr<VolumeMap> MapVolume(const mesh::TetrahedralMesh& mesh,
-                                    const std::vector<int>& outer,
-                                    const Eigen::Matrix3Xd& positions,
-                                    const VolumeMapOptions& options = {});
-
 // Returns the elements that are turned over or flat with nodes at these places. Only corners count.
 std::vector<int> InvertedElements(const mesh::TetrahedralMesh& mesh, const Eigen::Matrix3Xd& nodes);
 

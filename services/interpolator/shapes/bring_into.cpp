@@ -212,11 +212,4 @@ absl::StatusOr<BroughtShape> PreparedMesh::Bring(const fields::DesignFields& des
   return brought;
 }
 
-absl::StatusOr<BroughtShape> BringInto(const fields::DesignFields& design,
-                                       const CanonicalMesh& mesh, const MeshMapOptions& options) {
-  // It does not outlive this call.
-  const std::shared_ptr<const CanonicalMesh> borrowed(&mesh, [](const CanonicalMesh*) {});
-  return PreparedMesh(borrowed, options).Bring(design);
-}
-
 }  // namespace mortise::interpolator

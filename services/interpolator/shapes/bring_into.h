@@ -71,9 +71,4 @@ class PreparedMesh {
   std::unique_ptr<Mapping> mapping_;
 };
 
-// Does the same for one design.
-absl::StatusOr<BroughtShape> BringInto(const fields::DesignFields& design,
-                                       const CanonicalMesh& mesh,
-                                       const MeshMapOptions& options = {});
-
 }  // namespace mortise::interpolator

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/fields/design_fields.h"
-#include "services/interpolator/mapping/mesh_map.h"
+#include "services/interpolator/mapping/outer_surface.h"
 #include "services/interpolator/shapes/canonical_mesh.h"
 #include "services/interpolator/shapes/corner_design.h"
 

@@ -144,8 +144,6 @@ absl::Status CheckFits(const PackedShape& shape, const CanonicalMesh& mesh) {
 
 double PositionError(const PackedShape& shape) { return shape.step.norm() / 2; }
 
-double FieldError(const PackedField& field) { return field.step / 2; }
-
 int TurnedOver(const PackedShape& packed, const ConsistentShape& shape, const CanonicalMesh& mesh) {
   const std::vector<int> before = InvertedWith(mesh, shape.nodes);
   const std::vector<int> after = InvertedWith(mesh, Unpack(packed).nodes);

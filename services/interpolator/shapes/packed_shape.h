@@ -53,9 +53,6 @@ absl::Status CheckFits(const PackedShape& shape, const CanonicalMesh& mesh);
 // Returns how far packing can have moved a node, m: half the diagonal of a step.
 double PositionError(const PackedShape& shape);
 
-// Returns how far packing can have changed a number of a field, SI unit.
-double FieldError(const PackedField& field);
-
 // Returns how many elements are turned over or flat as packed but not in `shape`.
 int TurnedOver(const PackedShape& packed, const ConsistentShape& shape, const CanonicalMesh& mesh);
 

@@ -32,6 +32,7 @@
 #include "services/simulator/analysis/design_fields.h"
 #include "services/simulator/worker/template_model.h"
 #include "tests/unit/common/templates/shipped_collection.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -203,7 +204,7 @@ void Verify(const MapBuilding& building, const ShapedStructure& structure, const
     }
     BlendedShape blended;
     if (!Blend(weighted, canonical, {.surface_only = false, .fields = {0}}, blended).ok()) abort();
-    const auto brought = BringInto(*truth, canonical);
+    const auto brought = Brought(*truth, canonical);
     const auto difference =
         Difference(blended, canonical, *truth, brought.ok() ? &brought->shape : nullptr);
     if (!difference.ok()) std::abort();

@@ -140,8 +140,8 @@ void Print(const std::string& label, const Sample& sample, const MeshMapper& map
   std::printf("%-24s %6d ", label.c_str(), static_cast<int>(sample.model.mesh.tetrahedra.cols()));
   std::fflush(stdout);
   Stopwatch watch;
-  const auto source = OuterSurfaceOf({sample.model.mesh, {}, {}}, "source");
-  const auto marked = PlaceControlVariables(source->marked.surface, sample.model.variables);
+  const OuterSurface source = OuterSurfaceOf(sample.model.mesh);
+  const auto marked = PlaceControlVariables(source.marked.surface, sample.model.variables);
   const double placing = sample.variables_seconds + watch.Lap();
   if (!marked.ok())
     return void(std::printf("%s\n", std::string(marked.status().message()).c_str()));
@@ -162,13 +162,13 @@ void Print(const std::string& label, const Sample& sample, const MeshMapper& map
   if (!map.ok()) return void(std::printf("%s\n", std::string(map.status().message()).c_str()));
   mesh::SurfaceMesh mapped = mapper.outer().marked.surface;
   mapped.vertices = map->surface.positions;
-  const std::vector<double> off = Distances(source->marked.surface, mapped);
+  const std::vector<double> off = Distances(source.marked.surface, mapped);
   const double diagonal = DiagonalOf(sample.model.mesh.nodes);
   std::printf(
       "%4d %4d %4d %4d  %4d %3zu  %6.0f %6.0f %5.2f  %6.2f  %5.2f %5.2f %5.2f %5.2f  %5.2f\n",
       map->surface.points, map->surface.given_paths, map->surface.added_paths, map->surface.patches,
       map->volume.inverted_at_first, map->volume.inverted.size(), 1e6 * off.back() / diagonal,
-      1e6 * off[off.size() * 99 / 100] / diagonal, off.back() / MeanEdge(source->marked.surface),
+      1e6 * off[off.size() * 99 / 100] / diagonal, off.back() / MeanEdge(source.marked.surface),
       sample.evaluation_seconds, placing, laying, flattening, all - laying - flattening,
       (all + sample.variables_seconds) / sample.evaluation_seconds);
 }
@@ -214,8 +214,7 @@ void Run(const std::string& name, const Request& request) {
   const double size =
       request.size == 1
           ? 0
-          : request.size *
-                MeanEdge(OuterSurfaceOf({canonical->model.mesh, {}, {}}, "")->marked.surface);
+          : request.size * MeanEdge(OuterSurfaceOf(canonical->model.mesh).marked.surface);
   if (size > 0) canonical = Evaluate(*model, middle, request, size);
   Stopwatch watch;
   const auto mapper = MeshMapper::Create(canonical->model);

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "services/interpolator/mapping/mesh_map.h"
+#include "services/interpolator/mapping/mesh_mapper.h"
 #include "tests/unit/services/interpolator/mapping/block_shapes.h"
 
 namespace mortise::interpolator {
@@ -49,7 +49,9 @@ Measured MapOne(const BlockShape& from, const BlockShape& to, double tetrahedra)
   benchmark::DoNotOptimize(MapSurface(source.marked, target.marked));
   measured.surface_seconds = SecondsSince(start);
   start = Clock::now();
-  const auto map = MapMesh(source.marked_mesh, target.marked_mesh);
+  const auto mapper = MeshMapper::Create(ModelOf(target));
+  if (!mapper.ok()) return {};
+  const auto map = (*mapper)->Map(ModelOf(source));
   measured.seconds = SecondsSince(start);
   if (!map.ok()) return {};
   measured.inverted = map->volume.inverted.size();

@@ -17,6 +17,7 @@
 #include "services/interpolator/shapes/shape_difference.h"
 #include "services/interpolator/shapes/shape_file.h"
 #include "tests/unit/services/interpolator/shapes/block_designs.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -60,7 +61,7 @@ const Samples& TheSamples() {
     made.mesh = CanonicalMesh::Create(Beam(0)).value();
     for (int sample = 0; sample < kSamples; ++sample) {
       made.shapes.push_back(
-          Pack(BringInto(Beam(sample), made.mesh).value().shape, made.mesh).value());
+          Pack(Brought(Beam(sample), made.mesh).value().shape, made.mesh).value());
     }
     return made;
   }();
@@ -168,7 +169,7 @@ BENCHMARK(BM_WriteAndReadAShape)->Unit(benchmark::kMillisecond);
 void BM_Difference(benchmark::State& state) {
   const Samples& samples = TheSamples();
   const fields::DesignFields truth = Beam(5);
-  const ConsistentShape brought = BringInto(truth, samples.mesh).value().shape;
+  const ConsistentShape brought = Brought(truth, samples.mesh).value().shape;
   std::vector<WeightedShape> weighted;
   for (const PackedShape& shape : samples.shapes) weighted.push_back({&shape, 1.0 / kSamples});
   BlendedShape out;

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace mortise::interpolator {
 namespace {
@@ -107,9 +109,20 @@ class BlockMesher {
   }
 
   void TakeSurface() {
-    OuterSurface outer = OuterSurfaceOf(made_.marked_mesh, "block").value();
+    OuterSurface outer = OuterSurfaceOf(made_.marked_mesh.mesh);
     made_.marked = std::move(outer.marked);
     made_.node = std::move(outer.node);
+    std::map<int, int> vertex_of;
+    for (std::size_t v = 0; v < made_.node.size(); ++v) {
+      vertex_of.emplace(made_.node[v], static_cast<int>(v));
+    }
+    for (const ControlPoint& point : made_.marked_mesh.points) {
+      made_.marked.points.push_back({point.name, vertex_of.at(point.vertex)});
+    }
+    for (const ControlPath& path : made_.marked_mesh.paths) {
+      ControlPath& marked = made_.marked.paths.emplace_back(ControlPath{path.name, {}});
+      for (const int node : path.vertices) marked.vertices.push_back(vertex_of.at(node));
+    }
   }
 
   // A path of the lattice from `start` along `axis`, and the points at its ends.
@@ -167,6 +180,23 @@ class BlockMesher {
 
 BlockMesh MakeBlockMesh(const BlockShape& shape, const BlockCells& cells) {
   return BlockMesher(shape, cells).Make();
+}
+
+ModelMesh ModelOf(const BlockMesh& block) {
+  const MarkedMesh& marked = block.marked_mesh;
+  ModelMesh model;
+  model.mesh = marked.mesh;
+  std::map<int, int> point_of;
+  for (const ControlPoint& point : marked.points) {
+    point_of[point.vertex] = static_cast<int>(model.variables.points.size());
+    model.variables.points.push_back({point.name, marked.mesh.nodes.col(point.vertex)});
+  }
+  for (const ControlPath& path : marked.paths) {
+    model.variables.paths.push_back({path.name, point_of.at(path.vertices.front()),
+                                     point_of.at(path.vertices.back()),
+                                     marked.mesh.nodes(Eigen::all, path.vertices)});
+  }
+  return model;
 }
 
 BlockShape BoxShape(const Eigen::Vector3d& size) {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "services/interpolator/mapping/mesh_map.h"
+#include "services/interpolator/mapping/mesh_mapper.h"
 
 namespace mortise::interpolator {
 
@@ -32,6 +32,13 @@ struct BlockCells {
   double unrest = 0;         // of a cell: how far nodes are moved off the grid within the faces
 };
 
+// A mesh with control points and paths on its surface, by nodes that are corners of elements.
+struct MarkedMesh {
+  mesh::TetrahedralMesh mesh;
+  std::vector<ControlPoint> points;  // `vertex` is a node
+  std::vector<ControlPath> paths;    // nodes
+};
+
 struct BlockMesh {
   MarkedMesh marked_mesh;
   Eigen::Matrix3Xd block;  // 3 × nodes
@@ -41,6 +48,9 @@ struct BlockMesh {
 };
 
 BlockMesh MakeBlockMesh(const BlockShape& shape, const BlockCells& cells);
+
+// The mesh with its control variables by their places, as models have them.
+ModelMesh ModelOf(const BlockMesh& block);
 
 // A box from the origin.
 BlockShape BoxShape(const Eigen::Vector3d& size);

@@ -129,7 +129,7 @@ TEST_P(ShippedModelTest, IsMappedFromOneDesignToAnother) {
   EXPECT_EQ(map.nodes, again.nodes);
   EXPECT_GE(map.surface.points, 0.9 * static_cast<double>(target.variables.points.size()));
   EXPECT_LT(map.volume.inverted.size(), 0.01 * static_cast<double>(target.mesh.tetrahedra.cols()));
-  ASSERT_OK_AND_ASSIGN(const OuterSurface truth, OuterSurfaceOf({source.mesh, {}, {}}, "source"));
+  const OuterSurface truth = OuterSurfaceOf(source.mesh);
   mesh::SurfaceMesh mapped = mapper->outer().marked.surface;
   mapped.vertices = map.surface.positions;
   const Eigen::Vector3d size =

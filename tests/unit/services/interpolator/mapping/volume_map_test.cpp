@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <string>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "tests/support/status_assertions.h"
@@ -21,6 +22,13 @@ Eigen::Matrix3Xd OuterImage(const BlockMesh& block, const BlockImage& image) {
   return positions;
 }
 
+// Of one surface alone.
+absl::StatusOr<VolumeMap> Mapped(const mesh::TetrahedralMesh& mesh, const std::vector<int>& outer,
+                                 const Eigen::Matrix3Xd& positions) {
+  const auto mapper = VolumeMapper::Create(mesh, outer);
+  return mapper.ok() ? (*mapper)->Map(positions) : mapper.status();
+}
+
 // An affine motion of the surface is one of the whole body: linear elements have it exactly.
 TEST(VolumeMapTest, FollowsAffineMotionsExactly) {
   const BlockMesh box = MakeBlockMesh(BoxShape({0.3, 0.2, 0.1}), {.unrest = 0.3});
@@ -31,7 +39,7 @@ TEST(VolumeMapTest, FollowsAffineMotionsExactly) {
     return linear * BoxShape({0.3, 0.2, 0.1}).image(at) + shift;
   };
   ASSERT_OK_AND_ASSIGN(const VolumeMap map,
-                       MapVolume(box.marked_mesh.mesh, box.node, OuterImage(box, affine)));
+                       Mapped(box.marked_mesh.mesh, box.node, OuterImage(box, affine)));
   const Eigen::Matrix3Xd expected = (linear * box.marked_mesh.mesh.nodes).colwise() + shift;
   EXPECT_LT((map.nodes - expected).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_EQ(map.solves, 1);
@@ -55,8 +63,8 @@ TEST(VolumeMapTest, TurnsNoElementOver) {
   for (const Case& of : cases) {
     const BlockMesh block =
         MakeBlockMesh(of.from, {.along = 6, .across = 5, .high = 4, .unrest = 0.2});
-    ASSERT_OK_AND_ASSIGN(const VolumeMap map, MapVolume(block.marked_mesh.mesh, block.node,
-                                                        OuterImage(block, of.to.image)));
+    ASSERT_OK_AND_ASSIGN(const VolumeMap map, Mapped(block.marked_mesh.mesh, block.node,
+                                                     OuterImage(block, of.to.image)));
     EXPECT_TRUE(map.inverted.empty()) << of.name << ": " << map.inverted.size() << " of "
                                       << block.marked_mesh.mesh.tetrahedra.cols();
     EXPECT_TRUE(InvertedElements(block.marked_mesh.mesh, map.nodes).empty()) << of.name;
@@ -67,7 +75,7 @@ TEST(VolumeMapTest, KeepsMiddlesOfQuadraticElementsHalfway) {
   const BlockMesh box = MakeBlockMesh(BoxShape({0.3, 0.2, 0.1}), {});
   const mesh::TetrahedralMesh quadratic = mesh::MakeQuadratic(box.marked_mesh.mesh);
   const Eigen::Matrix3Xd positions = OuterImage(box, BoxShape({0.4, 0.2, 0.2}).image);
-  ASSERT_OK_AND_ASSIGN(const VolumeMap map, MapVolume(quadratic, box.node, positions));
+  ASSERT_OK_AND_ASSIGN(const VolumeMap map, Mapped(quadratic, box.node, positions));
   const Eigen::Vector3d middle = map.nodes.col(quadratic.tetrahedra(4, 0));
   const Eigen::Vector3d ends =
       map.nodes.col(quadratic.tetrahedra(0, 0)) + map.nodes.col(quadratic.tetrahedra(1, 0));
@@ -81,7 +89,7 @@ TEST(VolumeMapTest, TellsWhichElementsAreStillTurnedOver) {
     return {at.x() == 1 ? -1 : at.x(), at.y(), at.z()};
   };
   ASSERT_OK_AND_ASSIGN(const VolumeMap map,
-                       MapVolume(box.marked_mesh.mesh, box.node, OuterImage(box, crossed)));
+                       Mapped(box.marked_mesh.mesh, box.node, OuterImage(box, crossed)));
   EXPECT_FALSE(map.inverted.empty());
   EXPECT_EQ(map.inverted, InvertedElements(box.marked_mesh.mesh, map.nodes));
 }
@@ -94,16 +102,16 @@ TEST(VolumeMapTest, NamesWhatIsWrong) {
     return DetailOf(map.status()).field;
   };
   const mesh::TetrahedralMesh& mesh = box.marked_mesh.mesh;
-  EXPECT_EQ(field_of(MapVolume(mesh, box.node, same.leftCols(3))), "positions");
+  EXPECT_EQ(field_of(Mapped(mesh, box.node, same.leftCols(3))), "positions");
   std::vector<int> missing = box.node;
   missing.back() = missing.front();
-  EXPECT_EQ(field_of(MapVolume(mesh, missing, same)), "outer");
+  EXPECT_EQ(field_of(Mapped(mesh, missing, same)), "outer");
   std::vector<int> beyond = box.node;
   beyond[2] = 1000000;
-  EXPECT_EQ(field_of(MapVolume(mesh, beyond, same)), "outer[2]");
+  EXPECT_EQ(field_of(Mapped(mesh, beyond, same)), "outer[2]");
   mesh::TetrahedralMesh inverted = mesh;
   inverted.nodes.row(2) *= -1;
-  EXPECT_EQ(field_of(MapVolume(inverted, box.node, same)), "mesh");
+  EXPECT_EQ(field_of(Mapped(inverted, box.node, same)), "mesh");
 }
 
 }  // namespace

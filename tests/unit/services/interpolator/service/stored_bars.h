@@ -19,6 +19,7 @@
 #include "services/interpolator/shapes/shape_file.h"
 #include "tests/support/bar_design.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator::testing {
 
@@ -52,7 +53,7 @@ class StoredBars {
     for (int sample = 0; sample < tree.sample_count(); ++sample) {
       const Eigen::VectorXd place = tree.SamplePosition(sample);
       content.values(0, sample) = 3 + place[0];
-      const auto brought = BringInto(BarDesign(place[0], 10 + 2 * place[1], cells), *mesh_);
+      const auto brought = Brought(BarDesign(place[0], 10 + 2 * place[1], cells), *mesh_);
       const PackedShape packed = Pack(brought.value().shape, *mesh_).value();
       shapes.meshes[0].shapes[sample] = blobs_->Put(WriteShape(packed, *mesh_).value()).value();
     }

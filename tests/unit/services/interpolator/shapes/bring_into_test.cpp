@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "tests/unit/services/interpolator/shapes/block_designs.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -20,11 +21,11 @@ fields::DesignFields Box(const Eigen::Vector3d& size, const BlockCells& cells) {
 }
 
 // Nodes and elements may be numbered in any way as long as it is the same way.
-TEST(BringInto, TakesTheSameElementsOverAsTheyAre) {
+TEST(PreparedMesh, TakesTheSameElementsOverAsTheyAre) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();
   const fields::DesignFields design = Box({3, 1.1, 0.4}, kCoarse);
   for (const fields::DesignFields& same : {design, Quadratic(design)}) {
-    const BroughtShape brought = BringInto(same, mesh).value();
+    const BroughtShape brought = Brought(same, mesh).value();
     EXPECT_TRUE(brought.is_identity);
     EXPECT_EQ(brought.inverted, 0);
     EXPECT_EQ(brought.outside, 0);
@@ -37,25 +38,25 @@ TEST(BringInto, TakesTheSameElementsOverAsTheyAre) {
   }
 }
 
-TEST(BringInto, GivesTheCanonicalDesignItself) {
+TEST(PreparedMesh, GivesTheCanonicalDesignItself) {
   const fields::DesignFields design = Box({2, 1, 0.5}, kCoarse);
   const CanonicalMesh mesh =
       ReadMesh(WriteMesh(CanonicalMesh::Create(design).value()).value()).value();
-  const BroughtShape brought = BringInto(design, mesh).value();
+  const BroughtShape brought = Brought(design, mesh).value();
   EXPECT_TRUE(brought.is_identity);
   EXPECT_EQ(brought.shape.nodes, mesh.nodes);
 }
 
-TEST(BringInto, SaysWhichElementsOfTheSameMeshAreTurnedOver) {
+TEST(PreparedMesh, SaysWhichElementsOfTheSameMeshAreTurnedOver) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();
   fields::DesignFields design = Box({2, 1, 0.5}, kCoarse);
   design.nodes.row(0) *= -1;
-  EXPECT_EQ(BringInto(design, mesh).value().inverted, mesh.element_count());
+  EXPECT_EQ(Brought(design, mesh).value().inverted, mesh.element_count());
 }
 
-TEST(BringInto, MapsOtherElementsOntoTheShape) {
+TEST(PreparedMesh, MapsOtherElementsOntoTheShape) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();
-  const BroughtShape brought = BringInto(Box({3, 1.1, 0.4}, kOther), mesh).value();
+  const BroughtShape brought = Brought(Box({3, 1.1, 0.4}, kOther), mesh).value();
   EXPECT_FALSE(brought.is_identity);
   EXPECT_EQ(brought.inverted, 0);
   const Eigen::Vector3d size(3, 1.1, 0.4);
@@ -78,9 +79,9 @@ void ExpectLinear(const Eigen::MatrixXd& values, const Eigen::Matrix3Xd& nodes,
 }
 
 // Fields that are linear in space are carried over exactly.
-TEST(BringInto, CarriesLinearFieldsOverExactly) {
+TEST(PreparedMesh, CarriesLinearFieldsOverExactly) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();
-  const BroughtShape brought = BringInto(Box({3, 1.1, 0.4}, kOther), mesh).value();
+  const BroughtShape brought = Brought(Box({3, 1.1, 0.4}, kOther), mesh).value();
   EXPECT_EQ(brought.outside, 0);
   ExpectLinear(brought.shape.fields[0], brought.shape.nodes, [](const Eigen::Vector3d& at) {
     return Eigen::VectorXd::Constant(1, TemperatureAt(at));
@@ -90,18 +91,18 @@ TEST(BringInto, CarriesLinearFieldsOverExactly) {
 }
 
 // Middles of edges have no say in what corners get.
-TEST(BringInto, MapsQuadraticElementsAsWell) {
+TEST(PreparedMesh, MapsQuadraticElementsAsWell) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Quadratic(Box({2, 1, 0.5}, kCoarse))).value();
-  const BroughtShape brought = BringInto(Quadratic(Box({3, 1.1, 0.4}, kOther)), mesh).value();
+  const BroughtShape brought = Brought(Quadratic(Box({3, 1.1, 0.4}, kOther)), mesh).value();
   EXPECT_FALSE(brought.is_identity);
   EXPECT_EQ(brought.inverted, 0);
   ExpectLinear(brought.shape.fields[1], brought.shape.nodes, DisplacementAt);
 }
 
 // What is of elements comes from the one that the centre lies in: no farther off than it is large.
-TEST(BringInto, CarriesFieldsOfElementsOverByTheirCentres) {
+TEST(PreparedMesh, CarriesFieldsOfElementsOverByTheirCentres) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();
-  const BroughtShape brought = BringInto(Box({3, 1.1, 0.4}, kOther), mesh).value();
+  const BroughtShape brought = Brought(Box({3, 1.1, 0.4}, kOther), mesh).value();
   const double cell = Eigen::Vector3d(3.0 / 5, 1.1 / 4, 0.4 / 4).norm() * 1.3;
   for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
     const Eigen::MatrixXd corners = brought.shape.nodes(Eigen::all, mesh.tetrahedra.col(e));
@@ -111,7 +112,7 @@ TEST(BringInto, CarriesFieldsOfElementsOverByTheirCentres) {
 }
 
 // A natural mode is found with either sign.
-TEST(BringInto, GivesModesTheSignOfTheMesh) {
+TEST(PreparedMesh, GivesModesTheSignOfTheMesh) {
   const auto with_mode = [](fields::DesignFields design, double sign) {
     design.fields = {
         {"mode_shape", "1", "mode 1", fields::FieldPlace::kNodes, sign * design.fields[1].values}};
@@ -123,20 +124,20 @@ TEST(BringInto, GivesModesTheSignOfTheMesh) {
   for (const BlockCells& cells : {kCoarse, kOther}) {
     const fields::DesignFields design = with_mode(Box({2.2, 1, 0.5}, cells), 1);
     const fields::DesignFields turned = with_mode(Box({2.2, 1, 0.5}, cells), -1);
-    const ConsistentShape plain = BringInto(design, mesh).value().shape;
-    EXPECT_EQ(BringInto(turned, mesh).value().shape.fields[0], plain.fields[0]);
+    const ConsistentShape plain = Brought(design, mesh).value().shape;
+    EXPECT_EQ(Brought(turned, mesh).value().shape.fields[0], plain.fields[0]);
     ExpectLinear(plain.fields[0], plain.nodes, DisplacementAt);
   }
 }
 
 // Round faces: the design's and the mesh's facets are not the same, so some nodes lie outside.
-TEST(BringInto, CarriesFieldsOverOnRoundFaces) {
+TEST(PreparedMesh, CarriesFieldsOverOnRoundFaces) {
   const BlockCells fine{.along = 4, .across = 5, .high = 3};
   const BlockCells other{.along = 5, .across = 4, .high = 2, .is_mirrored = true};
   const CanonicalMesh mesh =
       CanonicalMesh::Create(BlockDesign(PlateShape(0.3, 0.2, 0.03, 0.05), fine)).value();
   const BroughtShape brought =
-      BringInto(BlockDesign(PlateShape(0.3, 0.2, 0.03, 0.06), other), mesh).value();
+      Brought(BlockDesign(PlateShape(0.3, 0.2, 0.03, 0.06), other), mesh).value();
   EXPECT_EQ(brought.inverted, 0);
   EXPECT_LT(brought.furthest, 0.01);
   for (Eigen::Index node = 0; node < mesh.nodes.cols(); ++node) {
@@ -146,13 +147,13 @@ TEST(BringInto, CarriesFieldsOverOnRoundFaces) {
   }
 }
 
-TEST(BringInto, MapsSurfacesAlone) {
+TEST(PreparedMesh, MapsSurfacesAlone) {
   const CanonicalMesh mesh = CanonicalMesh::Create(SurfaceOnly(Box({2, 1, 0.5}, kCoarse))).value();
   // A design with elements will do: it has a surface.
   fields::DesignFields design = Box({3, 1.1, 0.4}, kOther);
   design.fields.pop_back();
   for (const fields::DesignFields& other : {SurfaceOnly(design), design}) {
-    const BroughtShape brought = BringInto(other, mesh).value();
+    const BroughtShape brought = Brought(other, mesh).value();
     EXPECT_FALSE(brought.is_identity);
     EXPECT_EQ(brought.shape.nodes.cols(), mesh.surface_nodes);
     EXPECT_LT((brought.shape.nodes.rowwise().maxCoeff() - Eigen::Vector3d(3, 1.1, 0.4)).norm(),
@@ -161,11 +162,11 @@ TEST(BringInto, MapsSurfacesAlone) {
   }
 }
 
-TEST(BringInto, GivesTheSameInAnyOrderOnAnyThread) {
+TEST(PreparedMesh, GivesTheSameInAnyOrderOnAnyThread) {
   const auto mesh = std::make_shared<const CanonicalMesh>(
       CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value());
   const fields::DesignFields first = Box({3, 1.1, 0.4}, kOther), second = Box({1, 2, 1}, kOther);
-  const BroughtShape alone = BringInto(first, *mesh).value();
+  const BroughtShape alone = Brought(first, *mesh).value();
   const PreparedMesh prepared(mesh);
   ASSERT_TRUE(prepared.Bring(second).ok());
   std::vector<BroughtShape> brought(2);
@@ -181,7 +182,7 @@ TEST(BringInto, GivesTheSameInAnyOrderOnAnyThread) {
 class BadDesign : public testing::Test {
  protected:
   absl::Status StatusOf(const fields::DesignFields& design) const {
-    return BringInto(design, mesh_).status();
+    return Brought(design, mesh_).status();
   }
 
   const CanonicalMesh mesh_ = CanonicalMesh::Create(Box({2, 1, 0.5}, kCoarse)).value();

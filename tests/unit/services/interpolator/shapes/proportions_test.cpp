@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/unit/services/interpolator/shapes/block_designs.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -13,7 +14,7 @@ BlendedShape BlendOf(const CanonicalMesh& mesh, const std::vector<fields::Design
                      bool surface_only) {
   std::vector<PackedShape> packed;
   for (const fields::DesignFields& design : designs) {
-    packed.push_back(Pack(BringInto(design, mesh).value().shape, mesh).value());
+    packed.push_back(Pack(Brought(design, mesh).value().shape, mesh).value());
   }
   std::vector<WeightedShape> weighted;
   for (const PackedShape& shape : packed) {

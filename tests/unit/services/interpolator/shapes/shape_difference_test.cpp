@@ -8,6 +8,7 @@
 
 #include "common/base/errors.h"
 #include "tests/unit/services/interpolator/shapes/block_designs.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -21,7 +22,7 @@ fields::DesignFields Box(const Eigen::Vector3d& size) {
 class Comparing : public testing::Test {
  protected:
   BlendedShape Blended(const fields::DesignFields& design, const BlendedParts& parts) const {
-    const PackedShape packed = Pack(BringInto(design, mesh_).value().shape, mesh_).value();
+    const PackedShape packed = Pack(Brought(design, mesh_).value().shape, mesh_).value();
     BlendedShape blended;
     EXPECT_TRUE(Blend(std::vector<WeightedShape>{{&packed, 1}}, mesh_, parts, blended).ok());
     return blended;
@@ -33,7 +34,7 @@ class Comparing : public testing::Test {
 
 TEST_F(Comparing, FindsNothingBetweenADesignAndItself) {
   const fields::DesignFields truth = Box({2.2, 1, 0.5});
-  const ConsistentShape brought = BringInto(truth, mesh_).value().shape;
+  const ConsistentShape brought = Brought(truth, mesh_).value().shape;
   const ShapeDifference difference =
       Difference(Blended(truth, everything_), mesh_, truth, &brought).value();
   EXPECT_NEAR(difference.size, Eigen::Vector3d(2.2, 1, 0.5).norm(), 1e-12);
@@ -81,7 +82,7 @@ TEST(CurvedSides, AreWhatIsMeasuredTo) {
   const fields::DesignFields fine =
       BlockDesign(CylinderShape(1, 1), {.along = 24, .across = 24, .high = 2});
   const CanonicalMesh mesh = CanonicalMesh::Create(fine).value();
-  const PackedShape packed = Pack(BringInto(fine, mesh).value().shape, mesh).value();
+  const PackedShape packed = Pack(Brought(fine, mesh).value().shape, mesh).value();
   BlendedShape blended;
   ASSERT_TRUE(Blend(std::vector<WeightedShape>{{&packed, 1}}, mesh, {true, {}}, blended).ok());
   const fields::DesignFields flat =
@@ -103,7 +104,7 @@ TEST(CurvedSides, AreWhatIsMeasuredTo) {
 
 TEST_F(Comparing, TakesLengthsOfVectorsAndTensors) {
   const fields::DesignFields truth = Box({2, 1, 0.5});
-  ConsistentShape brought = BringInto(truth, mesh_).value().shape;
+  ConsistentShape brought = Brought(truth, mesh_).value().shape;
   brought.fields[0].array() -= 7;
   brought.fields[1].colwise() += Eigen::Vector3d(3, 0, 4);
   Eigen::Matrix<double, 6, 1> tensor;
@@ -122,7 +123,7 @@ TEST_F(Comparing, TakesLengthsOfVectorsAndTensors) {
 
 TEST_F(Comparing, RefusesWhatIsOfAnotherMesh) {
   const fields::DesignFields truth = Box({2, 1, 0.5});
-  const ConsistentShape brought = BringInto(truth, mesh_).value().shape;
+  const ConsistentShape brought = Brought(truth, mesh_).value().shape;
   BlendedShape blended = Blended(truth, everything_);
   ConsistentShape other = brought;
   other.fields.pop_back();
@@ -159,7 +160,7 @@ TEST(FieldRange, IsOfAllShapesTogether) {
 
 TEST(FieldRange, IsTheSameOfAPackedShape) {
   const CanonicalMesh mesh = CanonicalMesh::Create(Box({2, 1, 0.5})).value();
-  const ConsistentShape shape = BringInto(Box({2, 1, 1}), mesh).value().shape;
+  const ConsistentShape shape = Brought(Box({2, 1, 1}), mesh).value().shape;
   const std::vector<FieldRange> exact = RangesOf(shape);
   const std::vector<FieldRange> packed = RangesOf(Pack(shape, mesh).value());
   ASSERT_EQ(exact.size(), 4u);

@@ -7,6 +7,7 @@
 
 #include "common/base/errors.h"
 #include "tests/unit/services/interpolator/shapes/block_designs.h"
+#include "tests/unit/services/interpolator/shapes/brought_design.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -17,7 +18,7 @@ fields::DesignFields Plate(double hole, int cells) {
 }
 
 PackedShape ShapeOf(const fields::DesignFields& design, const CanonicalMesh& mesh) {
-  return Pack(BringInto(design, mesh).value().shape, mesh).value();
+  return Pack(Brought(design, mesh).value().shape, mesh).value();
 }
 
 void ExpectSame(const PackedShape& a, const PackedShape& b) {
