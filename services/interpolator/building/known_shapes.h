@@ -47,7 +47,7 @@ struct KnownShape {
   absl::Status status;             // why the design cannot be brought into the mesh; OK if it was
   std::string digest;              // of its file (WriteShape)
   std::int64_t bytes = 0;          // of its file
-  int inverted = 0;                // tetrahedra that are turned over in it
+  int inverted = 0;                // tetrahedra that are turned over in it, as it is served
   double size = 0;                 // m, diagonal of its box
   double rounding = 0;             // m: the most that packing moved a node
   std::vector<FieldRange> ranges;  // of each of the mesh's fields

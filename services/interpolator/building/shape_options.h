@@ -22,8 +22,8 @@ struct WantedField {
 struct ShapeOptions {
   std::vector<WantedField> fields;  // a design that lacks one has failed
   double noise_floor = 0;           // of the shape, over its size
-  // The share of a mesh's tetrahedra that may be turned over in a shape. Where there are more, the
-  // design cannot be brought into the mesh.
+  // The share of a mesh's tetrahedra that may be turned over in a shape as it is served, by mapping
+  // or by rounding. Where there are more, the design cannot be brought into the mesh.
   double most_inverted = 0.05;
   int threads = 1;  // that map. Their number does not change the map.
   // Bytes of designs, meshes and shapes that are kept in memory; what is in use comes on top.

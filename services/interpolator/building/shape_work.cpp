@@ -213,23 +213,24 @@ absl::StatusOr<KnownShape> ShapeWork::Bring(const std::string& design, const std
   known.status = brought.status();
   if (!brought.ok() && !IsOfDesign(brought.status())) return brought.status();
   if (!brought.ok()) return known;
-  const int elements = ready->mesh().element_count();
-  if (brought->inverted > options_.most_inverted * elements) {
-    known.status = PreconditionFailed(
-        "TOO_MANY_INVERTED",
-        absl::StrCat(brought->inverted, " of ", elements, " tetrahedra would be turned over"));
-    return known;
-  }
   const absl::StatusOr<PackedShape> packed = Pack(brought->shape, ready->mesh());
   known.status = packed.status();
   if (!packed.ok()) return known;
+  // What is decided by, counted and compared is what is kept and served: rounding may turn over
+  // thin elements that mapping has not.
+  const ConsistentShape unpacked = Unpack(*packed);
+  const int elements = ready->mesh().element_count();
+  known.inverted = TurnedOver(ready->mesh(), unpacked.nodes);
+  if (known.inverted > options_.most_inverted * elements) {
+    known.status = PreconditionFailed(
+        "TOO_MANY_INVERTED",
+        absl::StrCat(known.inverted, " of ", elements, " tetrahedra would be turned over"));
+    return known;
+  }
   MORTISE_ASSIGN_OR_RETURN(const std::string bytes, WriteShape(*packed, ready->mesh()));
   MORTISE_ASSIGN_OR_RETURN(known.digest, store_.Put(bytes));
   known.bytes = static_cast<std::int64_t>(bytes.size());
-  known.inverted = brought->inverted;
   known.rounding = PositionError(*packed);
-  // What is decided by is what is kept, so that it is the same when it is read again.
-  const ConsistentShape unpacked = Unpack(*packed);
   known.size = SizeOf(unpacked.nodes);
   known.ranges = RangesOf(*packed);
   known.traits = TraitsOf(unpacked, ready->mesh(), ready->traits);

@@ -79,17 +79,6 @@ BroughtShape TakeOver(const fields::DesignFields& corners,
   return brought;
 }
 
-// Returns how many elements are turned over that are not in the mesh itself, as flat ones are.
-int CountInverted(const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes) {
-  const mesh::TetrahedralMesh elements = ElementsOf(mesh);
-  const std::vector<int> inverted = InvertedElements(elements, nodes);
-  if (inverted.empty()) return 0;
-  const std::vector<int> own = InvertedElements(elements, mesh.nodes);
-  return static_cast<int>(std::count_if(inverted.begin(), inverted.end(), [&](int element) {
-    return !std::binary_search(own.begin(), own.end(), element);
-  }));
-}
-
 void AlignSigns(const CanonicalMesh& mesh, ConsistentShape& shape) {
   for (std::size_t f = 0; f < shape.fields.size(); ++f) {
     if (!HasArbitrarySign(mesh.fields[f])) continue;
@@ -99,6 +88,16 @@ void AlignSigns(const CanonicalMesh& mesh, ConsistentShape& shape) {
 }
 
 }  // namespace
+
+int TurnedOver(const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes) {
+  const mesh::TetrahedralMesh elements = ElementsOf(mesh);
+  const std::vector<int> inverted = InvertedElements(elements, nodes);
+  if (inverted.empty()) return 0;
+  const std::vector<int> own = InvertedElements(elements, mesh.nodes);
+  return static_cast<int>(std::count_if(inverted.begin(), inverted.end(), [&](int element) {
+    return !std::binary_search(own.begin(), own.end(), element);
+  }));
+}
 
 // Makes what only depends on the mesh when it is first asked for.
 class PreparedMesh::Mapping {
@@ -208,7 +207,7 @@ absl::StatusOr<BroughtShape> PreparedMesh::Bring(const fields::DesignFields& des
         brought, with_elements ? BringOther(design) : BringOther(WithoutElements(design)));
   }
   AlignSigns(*mesh_, brought.shape);
-  brought.inverted = CountInverted(*mesh_, brought.shape.nodes);
+  brought.inverted = TurnedOver(*mesh_, brought.shape.nodes);
   return brought;
 }
 

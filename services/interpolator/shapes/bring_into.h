@@ -38,6 +38,10 @@ struct BroughtShape {
   double furthest = 0;  // m, how far away that was at the most
 };
 
+// Returns how many elements are turned over or flat with nodes at these places, 3 × N, and are not
+// in the mesh itself.
+int TurnedOver(const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes);
+
 // A canonical mesh that many designs are brought into. Whatever only depends on the mesh is
 // computed once, when the first design wants it: the solver of a large mesh takes much memory, and
 // designs with the mesh's own elements need none.

@@ -6,8 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "common/mesh/tetrahedral_mesh.h"
-#include "services/interpolator/mapping/volume_map.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -61,14 +59,6 @@ void PackPositions(const Eigen::Matrix3Xd& nodes, PackedShape& packed) {
     const auto axis = static_cast<int>(i % 3);
     packed.positions[i] = Number(nodes.data()[i], packed.origin[axis], packed.step[axis]);
   }
-}
-
-std::vector<int> InvertedWith(const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes) {
-  mesh::TetrahedralMesh elements;
-  elements.nodes = mesh.nodes;
-  elements.tetrahedra = mesh.tetrahedra;
-  elements.part = mesh.tetrahedron_part;
-  return InvertedElements(elements, nodes);
 }
 
 }  // namespace
@@ -143,13 +133,5 @@ absl::Status CheckFits(const PackedShape& shape, const CanonicalMesh& mesh) {
 }
 
 double PositionError(const PackedShape& shape) { return shape.step.norm() / 2; }
-
-int TurnedOver(const PackedShape& packed, const ConsistentShape& shape, const CanonicalMesh& mesh) {
-  const std::vector<int> before = InvertedWith(mesh, shape.nodes);
-  const std::vector<int> after = InvertedWith(mesh, Unpack(packed).nodes);
-  return static_cast<int>(std::count_if(after.begin(), after.end(), [&](int element) {
-    return !std::binary_search(before.begin(), before.end(), element);
-  }));
-}
 
 }  // namespace mortise::interpolator

@@ -7,7 +7,8 @@
 //
 // An element that is wider than PositionError × 2 in every direction keeps its orientation: each
 // corner moves by at most PositionError, and to turn an element over all four corners must come
-// into one plane. Thinner ones may be turned over or become flat: TurnedOver counts them.
+// into one plane. Thinner ones may be turned over or become flat: TurnedOver (bring_into.h) counts
+// them in what Unpack returns.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,8 +53,5 @@ absl::Status CheckFits(const PackedShape& shape, const CanonicalMesh& mesh);
 
 // Returns how far packing can have moved a node, m: half the diagonal of a step.
 double PositionError(const PackedShape& shape);
-
-// Returns how many elements are turned over or flat as packed but not in `shape`.
-int TurnedOver(const PackedShape& packed, const ConsistentShape& shape, const CanonicalMesh& mesh);
 
 }  // namespace mortise::interpolator

@@ -35,6 +35,47 @@ TEST(ShapeFailuresTest, HasNoShapesWhereNothingCanBeMapped) {
   EXPECT_EQ(progress.unmapped_failures[0].reason, "TOO_MANY_INVERTED");
 }
 
+// Leans over along x and y, so that its box is no thinner than it is wide.
+void Lean(fields::DesignFields& design) {
+  const auto lean = [](Eigen::Vector3d place) -> Eigen::Vector3d {
+    return {place.x(), place.y(), place.z() + 0.1 * (place.x() + place.y())};
+  };
+  for (auto node : design.nodes.colwise()) node = lean(node);
+  for (fields::ControlPoint& point : design.control_points) point.position = lean(point.position);
+}
+
+// A sheet whose elements are thinner than steps of 16 bits: mapping keeps them, rounding does not.
+TEST(ShapeFailuresTest, CountsWhatRoundingTurnsOver) {
+  const MapPlan plan = BlockPlan(30, 1);
+  for (const double most : {1.0, 0.05}) {
+    FileShelf shelf;
+    BuildOptions options = BlockOptions(plan, shelf, 2, 3, 2);
+    options.shapes->most_inverted = most;
+    options.evaluate = [&shelf](const std::vector<Eigen::VectorXd>& designs)
+        -> absl::StatusOr<std::vector<DesignAnswer>> {
+      std::vector<DesignAnswer> answers;
+      for (const Eigen::VectorXd& design : designs) {
+        FormulaBlock block = PlainBlock(design);
+        block.size.z() = 1e-6;
+        fields::DesignFields leaning = MakeBlock(block);
+        Lean(leaning);
+        answers.push_back({absl::OkStatus(), Eigen::VectorXd::Constant(1, design.sum()),
+                           shelf.Put(fields::WriteFields(leaning).value()).value()});
+      }
+      return answers;
+    };
+    const auto building = Built(plan, options);
+    const ShapedStructure structure = ShapesOf(*building);
+    if (most == 1) {
+      ASSERT_FALSE(structure.shapes.empty());
+      for (const auto& [key, shape] : structure.shapes) EXPECT_GT(shape.inverted, 0);
+    } else {
+      EXPECT_TRUE(structure.shapes.empty());
+      EXPECT_EQ(building->progress().unmapped_failures.at(0).reason, "TOO_MANY_INVERTED");
+    }
+  }
+}
+
 TEST(ShapeFailuresTest, CountsDesignsWithoutUsableShapesAsFailed) {
   const MapPlan plan = BlockPlan(60, 0);
   const std::map<std::string, std::function<void(DesignAnswer&, FileShelf&)>> faults = {

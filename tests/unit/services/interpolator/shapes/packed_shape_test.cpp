@@ -143,7 +143,7 @@ TEST(PackedShape, TurnsOverNoElementThatIsWideEnough) {
     // The cells' elements are as wide as a cell is high, divided by the square root of 3 at least.
     const double width = thickness / 4 / std::sqrt(3.0) / 1.05;
     ASSERT_GT(width, 2 * PositionError(packed)) << thickness;
-    EXPECT_EQ(TurnedOver(packed, shape, mesh), 0) << thickness;
+    EXPECT_EQ(TurnedOver(mesh, Unpack(packed).nodes), 0) << thickness;
   }
 }
 
@@ -153,7 +153,8 @@ TEST(PackedShape, CountsElementsThatRoundingTurnsOver) {
   shape.nodes = mesh.nodes;
   shape.nodes.row(2) *= 1e-6;
   shape.nodes.row(2) += 0.1 * (shape.nodes.row(0) + shape.nodes.row(1));
-  EXPECT_GT(TurnedOver(Pack(shape, mesh).value(), shape, mesh), 0);
+  EXPECT_EQ(TurnedOver(mesh, shape.nodes), 0);
+  EXPECT_GT(TurnedOver(mesh, Unpack(Pack(shape, mesh).value()).nodes), 0);
 }
 
 }  // namespace
