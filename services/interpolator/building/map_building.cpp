@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/interpolator/building/guarded.h"
+#include "services/interpolator/mapping/guarded.h"
 
 namespace mortise::interpolator {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
-#include "services/interpolator/building/guarded.h"
+#include "services/interpolator/mapping/guarded.h"
 #include "services/interpolator/shapes/blend.h"
 #include "services/interpolator/shapes/shape_file.h"
 

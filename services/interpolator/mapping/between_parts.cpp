@@ -4,10 +4,11 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <map>
-#include <memory>
+#include <optional>
 
 #include "common/base/errors.h"
 #include "services/interpolator/mapping/disk_map.h"
+#include "services/interpolator/mapping/guarded.h"
 #include "services/interpolator/mapping/nearest_place.h"
 
 namespace mortise::interpolator {
@@ -86,22 +87,23 @@ class Places {
 
   // Returns the place that is nearest between these parts, or, where there is nothing between them,
   // on anything.
-  NodePlace Find(const Parts& parts, const Eigen::Vector3d& point, bool& is_between) {
+  absl::StatusOr<NodePlace> Find(const Parts& parts, const Eigen::Vector3d& point,
+                                 bool& is_between) {
     Searched& of = searched_[parts];
-    if (of.nearest == nullptr) Prepare(parts, of);
+    if (!of.nearest) MORTISE_RETURN_IF_ERROR(Prepare(parts, of));
     is_between = of.is_between;
-    const TrianglePlace place = of.nearest->Find(point);
-    return {of.triangles.col(place.triangle), place.barycentric};
+    MORTISE_ASSIGN_OR_RETURN(const TrianglePlace place, of.nearest->Find(point));
+    return NodePlace{of.triangles.col(place.triangle), place.barycentric};
   }
 
  private:
   struct Searched {
     Eigen::Matrix3Xi triangles;
     bool is_between = true;
-    std::unique_ptr<const NearestPlaces> nearest;
+    std::optional<NearestPlaces> nearest;
   };
 
-  void Prepare(const Parts& parts, Searched& of) const {
+  absl::Status Prepare(const Parts& parts, Searched& of) const {
     std::vector<int> chosen;
     for (std::size_t t = 0; t < source_.parts.size(); ++t) {
       if (source_.parts[t] == parts) chosen.push_back(static_cast<int>(t));
@@ -109,8 +111,8 @@ class Places {
     of.is_between = !chosen.empty();
     of.triangles =
         chosen.empty() ? all_.triangles : source_.surface.triangles(Eigen::all, chosen).eval();
-    of.nearest =
-        std::make_unique<const NearestPlaces>(mesh::SurfaceMesh{all_.vertices, of.triangles});
+    MORTISE_ASSIGN_OR_RETURN(of.nearest, NearestPlaces::Create({all_.vertices, of.triangles}));
+    return absl::OkStatus();
   }
 
   const PartTriangles& source_;
@@ -133,7 +135,9 @@ absl::StatusOr<int> FollowBetweenParts(const PartTriangles& source, const PartTr
     const auto v = static_cast<std::size_t>(corner);
     if (!is_placed[v] && unknown[v] < 0) unknown[v] = count++;
   }
-  if (count > 0) MORTISE_RETURN_IF_ERROR(Relax(target, unknown, count, positions));
+  if (count > 0) {
+    MORTISE_RETURN_IF_ERROR(Guarded([&] { return Relax(target, unknown, count, positions); }));
+  }
   std::map<int, Parts> parts_of;
   for (Eigen::Index i = 0; i < target.surface.triangles.size(); ++i) {
     const int corner = target.surface.triangles(i % 3, i / 3);
@@ -144,7 +148,7 @@ absl::StatusOr<int> FollowBetweenParts(const PartTriangles& source, const PartTr
   for (const auto& [corner, parts] : parts_of) {
     bool is_between = false;
     NodePlace& place = places[static_cast<std::size_t>(corner)];
-    place = nearest.Find(parts, positions.col(corner), is_between);
+    MORTISE_ASSIGN_OR_RETURN(place, nearest.Find(parts, positions.col(corner), is_between));
     if (is_between) positions.col(corner) = all.vertices(Eigen::all, place.nodes) * place.shares;
   }
   return static_cast<int>(parts_of.size());

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "services/interpolator/mapping/guarded.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -151,6 +152,11 @@ DiskMap::DiskMap(Eigen::Matrix3Xi triangles, Eigen::Matrix2Xd positions)
       positions_(std::move(positions)) {}
 
 absl::StatusOr<DiskMap> DiskMap::Create(const DiskPatch& patch, const Eigen::Matrix2Xd& boundary) {
+  return Guarded([&] { return Make(patch, boundary); });
+}
+
+// It throws what Eigen does.
+absl::StatusOr<DiskMap> DiskMap::Make(const DiskPatch& patch, const Eigen::Matrix2Xd& boundary) {
   MORTISE_RETURN_IF_ERROR(CheckDisk(patch));
   if (boundary.cols() != static_cast<Eigen::Index>(patch.boundary.size())) {
     return InvalidField("boundary", absl::StrCat("it has ", boundary.cols(), " positions for ",

@@ -41,7 +41,8 @@ class DiskMap {
   // `boundary`: 2 × number of boundary vertices, where these go, counter-clockwise on a strictly
   // convex curve. INVALID_ARGUMENT naming "patch" if it is no disk with this boundary or has an
   // edge without length, "boundary" if the positions are not as many. INTERNAL where rounding turns
-  // triangles over, with equal weights too, which are tried then.
+  // triangles over, with equal weights too, which are tried then; RESOURCE_EXHAUSTED where there is
+  // too little memory.
   static absl::StatusOr<DiskMap> Create(const DiskPatch& patch, const Eigen::Matrix2Xd& boundary);
 
   // Returns where each vertex is in the plane, 2 × V.
@@ -53,6 +54,7 @@ class DiskMap {
 
  private:
   DiskMap(Eigen::Matrix3Xi triangles, Eigen::Matrix2Xd positions);
+  static absl::StatusOr<DiskMap> Make(const DiskPatch& patch, const Eigen::Matrix2Xd& boundary);
   Eigen::Vector3d Barycentric(int triangle, const Eigen::Vector2d& point) const;
 
   Eigen::Matrix3Xi triangles_;

@@ -11,15 +11,20 @@ namespace mortise::interpolator {
 namespace {
 
 // Finds out where vertices are that have slid on faces of the source.
-void FollowSlides(const mesh::SurfaceMesh& source, const Eigen::Array3Xi& slides, MeshMap& map) {
+absl::Status FollowSlides(const mesh::SurfaceMesh& source, const Eigen::Array3Xi& slides,
+                          MeshMap& map) {
   std::optional<NearestPlaces> nearest;
   for (std::size_t v = 0; v < map.outer.node.size(); ++v) {
     const auto column = static_cast<Eigen::Index>(v);
     if ((slides.col(column) == 0).all()) continue;
-    if (!nearest) nearest.emplace(source);
+    if (!nearest) {
+      MORTISE_ASSIGN_OR_RETURN(nearest, NearestPlaces::Create(source));
+    }
     map.surface.positions.col(column) = map.nodes.col(map.outer.node[v]);
-    map.surface.places[v] = nearest->Find(map.surface.positions.col(column));
+    MORTISE_ASSIGN_OR_RETURN(map.surface.places[v],
+                             nearest->Find(map.surface.positions.col(column)));
   }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -56,7 +61,7 @@ absl::StatusOr<MeshMap> MeshMapper::Map(const ModelMesh& source) const {
   const Eigen::Array3Xi slides = SlidesOnFlatFaces(of_source, outer_, marked_, map.surface.places);
   MORTISE_ASSIGN_OR_RETURN(map.volume, volume_->Map(map.surface.positions, slides));
   map.nodes = map.volume.nodes;
-  FollowSlides(of_source.marked.surface, slides, map);
+  MORTISE_RETURN_IF_ERROR(FollowSlides(of_source.marked.surface, slides, map));
   map.places = PlacesInNodes(of_source, map.surface.places);
   return map;
 }

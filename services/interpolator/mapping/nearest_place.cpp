@@ -7,9 +7,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "common/mesh/surface_check.h"
+#include "services/interpolator/mapping/guarded.h"
 
 namespace mortise::interpolator {
 namespace {
@@ -73,17 +75,18 @@ struct NearestPlaces::Tree {
     boxes.accelerate_distance_queries();
   }
 
+  struct Found {
+    TrianglePlace place;
+    double distance = 0;
+  };
+
   // What CGAL finds on a sliver may lie beside it. This is a point of the triangle in any case.
-  TrianglePlace Find(const Eigen::Vector3d& point, double& distance) const {
-    if (triangles.empty()) {
-      distance = (first - point).norm();
-      return {0, Eigen::Vector3d::UnitX()};
-    }
+  Found Find(const Eigen::Vector3d& point) const {
+    if (triangles.empty()) return {{0, Eigen::Vector3d::UnitX()}, (first - point).norm()};
     const auto [place, primitive] = boxes.closest_point_and_primitive(ToPoint(point));
     const auto found = static_cast<std::size_t>(primitive - triangles.cbegin());
     const Eigen::Vector3d shares = NearestIn(corners[found], point);
-    distance = (corners[found] * shares - point).norm();
-    return {number[found], shares};
+    return {{number[found], shares}, (corners[found] * shares - point).norm()};
   }
 
   std::vector<Eigen::Matrix3d> corners;
@@ -93,20 +96,23 @@ struct NearestPlaces::Tree {
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
 };
 
-NearestPlaces::NearestPlaces(const mesh::SurfaceMesh& surface)
-    : tree_(std::make_unique<const Tree>(surface)) {}
-
-NearestPlaces::~NearestPlaces() = default;
-
-TrianglePlace NearestPlaces::Find(const Eigen::Vector3d& point) const {
-  double distance = 0;
-  return tree_->Find(point, distance);
+absl::StatusOr<NearestPlaces> NearestPlaces::Create(const mesh::SurfaceMesh& surface) {
+  return Guarded([&surface]() -> absl::StatusOr<NearestPlaces> {
+    return NearestPlaces(std::make_unique<const Tree>(surface));
+  });
 }
 
-double NearestPlaces::Distance(const Eigen::Vector3d& point) const {
-  double distance = 0;
-  tree_->Find(point, distance);
-  return distance;
+NearestPlaces::NearestPlaces(std::unique_ptr<const Tree> tree) : tree_(std::move(tree)) {}
+NearestPlaces::NearestPlaces(NearestPlaces&&) noexcept = default;
+NearestPlaces& NearestPlaces::operator=(NearestPlaces&&) noexcept = default;
+NearestPlaces::~NearestPlaces() = default;
+
+absl::StatusOr<TrianglePlace> NearestPlaces::Find(const Eigen::Vector3d& point) const {
+  return Guarded([&]() -> absl::StatusOr<TrianglePlace> { return tree_->Find(point).place; });
+}
+
+absl::StatusOr<double> NearestPlaces::Distance(const Eigen::Vector3d& point) const {
+  return Guarded([&]() -> absl::StatusOr<double> { return tree_->Find(point).distance; });
 }
 
 }  // namespace mortise::interpolator

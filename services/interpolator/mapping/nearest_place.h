@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "absl/status/statusor.h"
 #include "common/mesh/surface_mesh.h"
 #include "services/interpolator/mapping/disk_map.h"
 
@@ -14,17 +15,21 @@ class NearestPlaces {
  public:
   // The surface must have triangles, indices in range and finite vertices. Triangles without area
   // are left out, as their neighbours have their points; if all are, the first corner is all of it.
-  explicit NearestPlaces(const mesh::SurfaceMesh& surface);
+  // RESOURCE_EXHAUSTED where there is too little memory; INTERNAL where CGAL cannot do it.
+  static absl::StatusOr<NearestPlaces> Create(const mesh::SurfaceMesh& surface);
+  NearestPlaces(NearestPlaces&&) noexcept;
+  NearestPlaces& operator=(NearestPlaces&&) noexcept;
   ~NearestPlaces();
 
-  // Returns the place on the surface that is nearest to a point.
-  TrianglePlace Find(const Eigen::Vector3d& point) const;
+  // Returns the place on the surface that is nearest to a point. Fails as Create.
+  absl::StatusOr<TrianglePlace> Find(const Eigen::Vector3d& point) const;
 
-  // Returns how far it is, m.
-  double Distance(const Eigen::Vector3d& point) const;
+  // Returns how far it is, m. Fails likewise.
+  absl::StatusOr<double> Distance(const Eigen::Vector3d& point) const;
 
  private:
   struct Tree;
+  explicit NearestPlaces(std::unique_ptr<const Tree> tree);
   std::unique_ptr<const Tree> tree_;
 };
 

@@ -180,8 +180,8 @@ absl::StatusOr<BroughtShape> PreparedMesh::BringOther(const fields::DesignFields
   const OuterTriangles outer = FindOuterTriangles(design);
   auto mapped = mapping_->Map(design, outer);
   if (!mapped.ok()) return Renamed(mapped.status());
-  CarriedFields carried =
-      CarryFields(matched, design, outer, *mesh_, mapped->nodes, mapped->places);
+  MORTISE_ASSIGN_OR_RETURN(CarriedFields carried, CarryFields(matched, design, outer, *mesh_,
+                                                              mapped->nodes, mapped->places));
   BroughtShape brought;
   brought.shape = {std::move(mapped->nodes), std::move(carried.fields)};
   brought.outside = carried.outside;

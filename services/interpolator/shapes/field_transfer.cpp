@@ -53,16 +53,18 @@ class Locating {
     int element = -1;
   };
 
-  Found Find(const Eigen::Vector3d& point) {
+  absl::StatusOr<Found> Find(const Eigen::Vector3d& point) {
     if (tetrahedra_.cols() > 0) {
       if (!grid_) grid_.emplace(design_.nodes, tetrahedra_);
       const ElementPlace place = grid_->Find(point);
       if (place.element >= 0) {
-        return {{tetrahedra_.col(place.element), place.barycentric}, place.element};
+        return Found{{tetrahedra_.col(place.element), place.barycentric}, place.element};
       }
     }
-    if (!surface_) surface_.emplace(mesh::SurfaceMesh{design_.nodes, outer_.triangles});
-    const TrianglePlace nearest = surface_->Find(point);
+    if (!surface_) {
+      MORTISE_ASSIGN_OR_RETURN(surface_, NearestPlaces::Create({design_.nodes, outer_.triangles}));
+    }
+    MORTISE_ASSIGN_OR_RETURN(const TrianglePlace nearest, surface_->Find(point));
     const Eigen::Vector3i nodes = outer_.triangles.col(nearest.triangle);
     const Eigen::Matrix3d corners = design_.nodes(Eigen::all, nodes);
     const double distance = (corners * nearest.barycentric - point).norm();
@@ -70,8 +72,8 @@ class Locating {
       ++outside;
       furthest = std::max(furthest, distance);
     }
-    return {SharesOf(nodes, nearest.barycentric),
-            outer_.element[static_cast<std::size_t>(nearest.triangle)]};
+    return Found{SharesOf(nodes, nearest.barycentric),
+                 outer_.element[static_cast<std::size_t>(nearest.triangle)]};
   }
 
   int outside = 0;
@@ -86,15 +88,20 @@ class Locating {
   std::optional<NearestPlaces> surface_;
 };
 
-std::vector<Shares> LocateNodes(const Eigen::Matrix3Xd& nodes, const std::vector<NodePlace>& places,
-                                Locating& locating) {
+absl::StatusOr<std::vector<Shares>> LocateNodes(const Eigen::Matrix3Xd& nodes,
+                                                const std::vector<NodePlace>& places,
+                                                Locating& locating) {
   std::vector<Shares> located;
   located.reserve(static_cast<std::size_t>(nodes.cols()));
   for (Eigen::Index node = 0; node < nodes.cols(); ++node) {
     const auto n = static_cast<std::size_t>(node);
     const bool is_known = n < places.size() && places[n].nodes.minCoeff() >= 0;
-    located.push_back(is_known ? SharesOf(places[n].nodes, places[n].shares)
-                               : locating.Find(nodes.col(node)).place);
+    if (is_known) {
+      located.push_back(SharesOf(places[n].nodes, places[n].shares));
+      continue;
+    }
+    MORTISE_ASSIGN_OR_RETURN(const Locating::Found found, locating.Find(nodes.col(node)));
+    located.push_back(found.place);
   }
   return located;
 }
@@ -110,13 +117,14 @@ Eigen::MatrixXd AtNodes(const Eigen::MatrixXd& values, const std::vector<Shares>
   return carried;
 }
 
-std::vector<int> LocateElements(const Eigen::Matrix3Xd& nodes, const CanonicalMesh& mesh,
-                                Locating& locating) {
+absl::StatusOr<std::vector<int>> LocateElements(const Eigen::Matrix3Xd& nodes,
+                                                const CanonicalMesh& mesh, Locating& locating) {
   std::vector<int> located;
   located.reserve(static_cast<std::size_t>(mesh.tetrahedra.cols()));
   for (Eigen::Index e = 0; e < mesh.tetrahedra.cols(); ++e) {
     const Eigen::Matrix<double, 3, 4> corners = nodes(Eigen::all, mesh.tetrahedra.col(e));
-    located.push_back(locating.Find(corners.rowwise().mean()).element);
+    MORTISE_ASSIGN_OR_RETURN(const Locating::Found found, locating.Find(corners.rowwise().mean()));
+    located.push_back(found.element);
   }
   return located;
 }
@@ -151,16 +159,19 @@ absl::StatusOr<std::vector<const fields::Field*>> MatchFields(const fields::Desi
   return matched;
 }
 
-CarriedFields CarryFields(const std::vector<const fields::Field*>& matched,
-                          const fields::DesignFields& design, const OuterTriangles& outer,
-                          const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes,
-                          const std::vector<NodePlace>& places) {
+absl::StatusOr<CarriedFields> CarryFields(const std::vector<const fields::Field*>& matched,
+                                          const fields::DesignFields& design,
+                                          const OuterTriangles& outer, const CanonicalMesh& mesh,
+                                          const Eigen::Matrix3Xd& nodes,
+                                          const std::vector<NodePlace>& places) {
   Locating locating(design, outer);
   std::vector<Shares> at_nodes;
   std::vector<int> of_elements;
-  if (HasFieldOf(mesh, fields::FieldPlace::kNodes)) at_nodes = LocateNodes(nodes, places, locating);
+  if (HasFieldOf(mesh, fields::FieldPlace::kNodes)) {
+    MORTISE_ASSIGN_OR_RETURN(at_nodes, LocateNodes(nodes, places, locating));
+  }
   if (HasFieldOf(mesh, fields::FieldPlace::kElements)) {
-    of_elements = LocateElements(nodes, mesh, locating);
+    MORTISE_ASSIGN_OR_RETURN(of_elements, LocateElements(nodes, mesh, locating));
   }
   CarriedFields carried;
   for (const fields::Field* field : matched) {

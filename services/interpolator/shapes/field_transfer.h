@@ -26,9 +26,11 @@ struct CarriedFields {
 // Returns the values of the matched fields in a shape of the mesh. `outer`: of the design.
 // `nodes`: 3 × N, m, where the mesh's nodes are in the design's own space. `places`: of the
 // first nodes, those on the surface, between nodes of the design; those that have none are located.
-CarriedFields CarryFields(const std::vector<const fields::Field*>& matched,
-                          const fields::DesignFields& design, const OuterTriangles& outer,
-                          const CanonicalMesh& mesh, const Eigen::Matrix3Xd& nodes,
-                          const std::vector<NodePlace>& places);
+// Fails as NearestPlaces.
+absl::StatusOr<CarriedFields> CarryFields(const std::vector<const fields::Field*>& matched,
+                                          const fields::DesignFields& design,
+                                          const OuterTriangles& outer, const CanonicalMesh& mesh,
+                                          const Eigen::Matrix3Xd& nodes,
+                                          const std::vector<NodePlace>& places);
 
 }  // namespace mortise::interpolator

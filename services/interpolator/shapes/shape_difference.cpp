@@ -22,11 +22,13 @@ double LengthOf(const Eigen::Ref<const Eigen::VectorXd>& value) {
   return std::sqrt(value.head<3>().squaredNorm() + 2 * value.tail<3>().squaredNorm());
 }
 
-Spread DistancesFrom(const Eigen::Matrix3Xd& points, const NearestPlaces& surface) {
-  std::vector<double> distances;
-  distances.reserve(static_cast<std::size_t>(points.cols()));
-  for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    distances.push_back(surface.Distance(points.col(p)));
+absl::StatusOr<Spread> DistancesFrom(const Eigen::Matrix3Xd& points,
+                                     const mesh::SurfaceMesh& surface) {
+  MORTISE_ASSIGN_OR_RETURN(const NearestPlaces nearest, NearestPlaces::Create(surface));
+  std::vector<double> distances(static_cast<std::size_t>(points.cols()));
+  for (std::size_t p = 0; p < distances.size(); ++p) {
+    MORTISE_ASSIGN_OR_RETURN(distances[p],
+                             nearest.Distance(points.col(static_cast<Eigen::Index>(p))));
   }
   return SpreadOf(distances);
 }
@@ -96,8 +98,9 @@ absl::StatusOr<ShapeDifference> Difference(const BlendedShape& blended, const Ca
   const Eigen::Matrix3Xd true_nodes = SurfaceOf(truth.nodes, outer.triangles).surface.vertices;
   ShapeDifference difference;
   difference.size = (true_nodes.rowwise().maxCoeff() - true_nodes.rowwise().minCoeff()).norm();
-  difference.to_truth = DistancesFrom(nodes, NearestPlaces(FineSurface(truth, outer)));
-  difference.from_truth = DistancesFrom(true_nodes, NearestPlaces({nodes, mesh.triangles}));
+  MORTISE_ASSIGN_OR_RETURN(difference.to_truth, DistancesFrom(nodes, FineSurface(truth, outer)));
+  MORTISE_ASSIGN_OR_RETURN(difference.from_truth,
+                           DistancesFrom(true_nodes, {nodes, mesh.triangles}));
   difference.shape = LargerOf(difference.to_truth, difference.from_truth);
   if (truth_brought == nullptr) return difference;
   MORTISE_ASSIGN_OR_RETURN(difference.fields, FieldDifferences(blended, mesh, *truth_brought));

@@ -38,6 +38,7 @@ struct ShapeDifference {
 // design in the canonical mesh, or nullptr to compare shapes alone, which leaves `fields` empty.
 // Where the blended shape has surface nodes alone, so are those compared. INVALID_ARGUMENT as
 // fields::Check, "truth"; "blended" and "truth_brought" where sizes are not those of the mesh.
+// Fails as NearestPlaces, too.
 absl::StatusOr<ShapeDifference> Difference(const BlendedShape& blended, const CanonicalMesh& mesh,
                                            const fields::DesignFields& truth,
                                            const ConsistentShape* truth_brought);

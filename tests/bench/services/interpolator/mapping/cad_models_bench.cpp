@@ -116,12 +116,12 @@ absl::StatusOr<Sample> Evaluate(const Model& model, const Eigen::VectorXd& q,
 std::vector<double> Distances(const mesh::SurfaceMesh& a, const mesh::SurfaceMesh& b) {
   std::vector<double> distances;
   for (const auto& [from, to] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
-    const NearestPlaces nearest(*to);
+    const NearestPlaces nearest = NearestPlaces::Create(*to).value();
     for (const auto& corners : from->triangles.colwise()) {
       const Eigen::Matrix3d at = from->vertices(Eigen::all, corners);
-      distances.push_back(nearest.Distance(at.rowwise().mean()));
-      distances.push_back(nearest.Distance(at.col(0)));
-      distances.push_back(nearest.Distance((at.col(0) + at.col(1)) / 2));
+      distances.push_back(nearest.Distance(at.rowwise().mean()).value());
+      distances.push_back(nearest.Distance(at.col(0)).value());
+      distances.push_back(nearest.Distance((at.col(0) + at.col(1)) / 2).value());
     }
   }
   std::sort(distances.begin(), distances.end());

@@ -98,11 +98,11 @@ absl::StatusOr<ModelMesh> Meshed(const cad::FeatureModel& features, const Eigen:
 double FarthestApart(const mesh::SurfaceMesh& a, const mesh::SurfaceMesh& b) {
   double farthest = 0;
   for (const auto& [from, to] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
-    const NearestPlaces nearest(*to);
+    const NearestPlaces nearest = NearestPlaces::Create(*to).value();
     for (const auto& corners : from->triangles.colwise()) {
       const Eigen::Vector3d middle = from->vertices(Eigen::all, corners).rowwise().mean();
-      farthest = std::max(
-          {farthest, nearest.Distance(middle), nearest.Distance(from->vertices.col(corners[0]))});
+      farthest = std::max({farthest, nearest.Distance(middle).value(),
+                           nearest.Distance(from->vertices.col(corners[0])).value()});
     }
   }
   return farthest;

@@ -1,5 +1,5 @@
-// Work on the threads of a build, where nothing else catches what libraries throw (CGAL, OpenMesh,
-// Eigen). Private to this folder.
+// Catches what libraries throw (CGAL, OpenMesh, Eigen) where they are called, and where work runs
+// on threads on which nothing else does.
 #pragma once
 
 #include <exception>
