@@ -223,7 +223,7 @@ std::string TextOfField(const Message& message, std::string_view path) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return reflection->GetEnum(message, field)->name();
     case FieldDescriptor::CPPTYPE_MESSAGE:
-      return dot == std::string_view::npos
+      return dot == std::string_view::npos || !reflection->HasField(message, field)
                  ? ""
                  : TextOfField(reflection->GetMessage(message, field), path.substr(dot + 1));
     default:

@@ -57,7 +57,7 @@ const std::vector<ResourceKind>& ResourceKinds() {
       {"templates", &v1::ListTemplatesRequest::descriptor, "title"},
       {"evaluators", &v1::ListEvaluatorsRequest::descriptor, "title"},
       {"analyses", &v1::ListAnalysesRequest::descriptor, "template"},
-      {"maps", &v1::ListMapsRequest::descriptor, "specification.subject"},
+      {"maps", &v1::ListMapsRequest::descriptor, "specification.subject", "shapes.geometry"},
       {"fronts", &v1::ListFrontsRequest::descriptor, "specification.subject"},
       {"plans", &v1::ListPlansRequest::descriptor, "template"},
       {"workOrders", &v1::ListWorkOrdersRequest::descriptor, "plan"},

@@ -20,6 +20,9 @@ struct ResourceKind {
 
   // The field that tells people which one it is, within others where it has dots: "title".
   const char* about;
+
+  // The field that tells which geometry it has, likewise; empty of kinds without.
+  const char* geometry = "";
 };
 
 // Returns all of them, in the order in which a design passes through them.

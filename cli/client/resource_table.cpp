@@ -16,8 +16,8 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-constexpr const char* kTitles[] = {"name",    "about",        "state", "created",
-                                   "creator", "external ids", "labels"};
+constexpr const char* kTitles[] = {"name",    "about",   "shapes",       "state",
+                                   "created", "creator", "external ids", "labels"};
 
 }  // namespace
 
@@ -38,6 +38,7 @@ void ResourceTable::Add(const ResourceKind& kind, const Message& resource) {
   const Tags tags = TagsOf(resource);
   const std::string state = absl::AsciiStrToLower(TextOfField(resource, "state"));
   rows_.push_back({TextOfField(resource, "name"), TextOfField(resource, kind.about),
+                   absl::AsciiStrToLower(TextOfField(resource, kind.geometry)),
                    absl::StrReplaceAll(state, {{"_", "-"}}), CreateTimeText(resource, zone_),
                    TextOfField(resource, "creator"), absl::StrJoin(tags.external_ids, ", "),
                    LabelsText(tags)});

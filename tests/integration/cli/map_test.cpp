@@ -25,6 +25,7 @@ namespace mortise::cli {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -475,6 +476,8 @@ TEST_F(MapCommands, ShowListAndDelete) {
   EXPECT_EQ(Ask({"show", "m"})["name"], "maps/m");
   EXPECT_THAT(Print({"show", "m"}), HasSubstr("maps/m of templates/table at revision 3"));
   EXPECT_EQ(Ask({"list", "--subject", "templates/table"}).size(), 1u);
+  EXPECT_THAT(Print({"list", "--subject", "templates/table"}),
+              AllOf(HasSubstr("shapes"), HasSubstr("surface")));
   EXPECT_EQ(Ask({"delete", "m"})["name"], "maps/m");
   EXPECT_THAT(interpolator_.deleted, ElementsAre("maps/m"));
 }

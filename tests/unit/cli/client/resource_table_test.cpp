@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mortise/v1/fabplanner.pb.h"
+#include "mortise/v1/interpolator.pb.h"
 #include "mortise/v1/pareto.pb.h"
 
 namespace mortise::cli {
@@ -59,6 +60,22 @@ TEST(ResourceTable, LeavesOutWhatNoneHas) {
   EXPECT_THAT(text, HasSubstr("labels"));
   EXPECT_THAT(text, Not(HasSubstr("external ids")));
   EXPECT_THAT(text, Not(HasSubstr("state")));
+}
+
+TEST(ResourceTable, SaysWhichMapsHaveShapes) {
+  v1::DesignMap plain;
+  plain.set_name("maps/plain");
+  ResourceTable table(absl::UTCTimeZone());
+  table.Add(*FindKind("maps"), plain);
+  EXPECT_THAT(Printed(table), Not(HasSubstr("shapes")));
+  v1::DesignMap shaped;
+  shaped.set_name("maps/shaped");
+  shaped.mutable_shapes()->set_geometry(v1::TETRAHEDRA);
+  table.Add(*FindKind("maps"), shaped);
+  const std::string text = Printed(table);
+  EXPECT_THAT(text, HasSubstr("shapes"));
+  EXPECT_THAT(text, HasSubstr("tetrahedra"));
+  EXPECT_THAT(text, Not(HasSubstr("unspecified")));
 }
 
 TEST(ResourceTable, TimesThatAreNotKnownAreEmpty) {
