@@ -1,6 +1,7 @@
 #include "common/host/unused_files.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/operations/operations.h"
@@ -33,6 +34,16 @@ absl::Status AddOperations(operations::Operations& operations, const NamedFiles&
   }
 }
 
+absl::StatusOr<FileUse> FindUse(store::Store& store, operations::Operations& operations,
+                                const NamedFiles& named) {
+  FileUse use;
+  // Operations first: one that ends meanwhile has named its files before the store is looked at.
+  MORTISE_RETURN_IF_ERROR(AddOperations(operations, named, use));
+  MORTISE_RETURN_IF_ERROR(
+      store.Read([&](store::ReadTransaction& read) { return named.by_store(read, &use.named); }));
+  return use;
+}
+
 }  // namespace
 
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
@@ -40,15 +51,34 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       const std::filesystem::path& folder,
                                                       const NamedFiles& named) {
   const absl::Time now = store.Now();
-  FileUse use;
-  // Operations first: one that ends meanwhile has named its files before the store is looked at.
-  MORTISE_RETURN_IF_ERROR(AddOperations(operations, named, use));
-  MORTISE_RETURN_IF_ERROR(
-      store.Read([&](store::ReadTransaction& read) { return named.by_store(read, &use.named); }));
+  MORTISE_ASSIGN_OR_RETURN(const FileUse use, FindUse(store, operations, named));
   MORTISE_RETURN_IF_ERROR(store::RemoveAbandonedParts(folder, now - kAbandonedPartLife).status());
   return store::RemoveUnusedBlobs(
       folder, std::min(now - kUnusedFileLife, use.oldest_work - kClockMargin),
       [&use](const std::string& digest) { return use.named.contains(digest); });
+}
+
+absl::StatusOr<store::RemovedBlobs> RemoveOldestFiles(store::Store& store,
+                                                      operations::Operations& operations,
+                                                      const std::filesystem::path& folder,
+                                                      const NamedFiles& named, double bytes) {
+  const absl::Time now = store.Now();
+  MORTISE_ASSIGN_OR_RETURN(const FileUse use, FindUse(store, operations, named));
+  const absl::Time before = std::min(now - kLeastFileLife, use.oldest_work - kClockMargin);
+  MORTISE_ASSIGN_OR_RETURN(std::vector<store::BlobEntry> files, store::ListBlobs(folder));
+  std::erase_if(files, [&](const store::BlobEntry& file) {
+    return file.written_at >= before || use.named.contains(file.digest);
+  });
+  std::ranges::sort(files, {}, &store::BlobEntry::written_at);
+  std::set<std::string> oldest;
+  double freed = 0;
+  for (std::size_t i = 0; i < files.size() && freed < bytes; ++i) {
+    freed += files[i].bytes;
+    oldest.insert(files[i].digest);
+  }
+  if (oldest.empty()) return store::RemovedBlobs();
+  return store::RemoveUnusedBlobs(
+      folder, before, [&oldest](const std::string& digest) { return !oldest.contains(digest); });
 }
 
 }  // namespace mortise::rpc

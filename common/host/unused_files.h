@@ -26,6 +26,10 @@ inline constexpr absl::Duration kUnusedFileLife = absl::Hours(24);
 // How long a part of a file stays that nobody writes to.
 inline constexpr absl::Duration kAbandonedPartLife = absl::Hours(1);
 
+// How long a file stays that nothing refers to, although its room is wanted: what was uploaded a
+// moment ago is about to be named, what was named a moment ago is about to be fetched.
+inline constexpr absl::Duration kLeastFileLife = absl::Minutes(1);
+
 // Adds the digests of files that are named.
 struct NamedFiles {
   // By the request of an unfinished operation; may be empty.
@@ -40,5 +44,13 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       operations::Operations& operations,
                                                       const std::filesystem::path& folder,
                                                       const NamedFiles& named);
+
+// Removes files that nothing names, the oldest first, until they have freed at least so many bytes
+// or there are no more: none that is younger than kLeastFileLife, or than an hour before every
+// unfinished operation.
+absl::StatusOr<store::RemovedBlobs> RemoveOldestFiles(store::Store& store,
+                                                      operations::Operations& operations,
+                                                      const std::filesystem::path& folder,
+                                                      const NamedFiles& named, double bytes);
 
 }  // namespace mortise::rpc

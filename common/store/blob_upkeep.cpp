@@ -67,6 +67,22 @@ absl::StatusOr<bool> RemoveIfOld(const std::filesystem::path& folder,
   return true;
 }
 
+// Shows each blob to `visit`, which returns a status.
+template <typename Visit>
+absl::Status VisitBlobs(const std::filesystem::path& folder, const Visit& visit) {
+  MORTISE_ASSIGN_OR_RETURN(const auto shelves, FilesIn(folder));
+  for (const std::filesystem::path& shelf : shelves) {
+    if (shelf.filename() == kParts || !std::filesystem::is_directory(shelf)) continue;
+    MORTISE_ASSIGN_OR_RETURN(const auto files, FilesIn(shelf));
+    for (const std::filesystem::path& file : files) {
+      const std::optional<FileState> state = StateOf(file);
+      if (!state || file.filename().native().size() != kDigest) continue;
+      MORTISE_RETURN_IF_ERROR(visit(file, *state));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status TouchBlob(BlobFolder& blobs, std::string_view digest) {
@@ -76,25 +92,29 @@ absl::Status TouchBlob(BlobFolder& blobs, std::string_view digest) {
   return Failed(path, std::strerror(errno));
 }
 
+absl::StatusOr<std::vector<BlobEntry>> ListBlobs(const std::filesystem::path& folder) {
+  std::vector<BlobEntry> entries;
+  MORTISE_RETURN_IF_ERROR(
+      VisitBlobs(folder, [&](const std::filesystem::path& file, const FileState& state) {
+        entries.push_back({file.filename(), state.written_at, state.bytes});
+        return absl::OkStatus();
+      }));
+  return entries;
+}
+
 absl::StatusOr<RemovedBlobs> RemoveUnusedBlobs(
     const std::filesystem::path& folder, absl::Time before,
     const std::function<bool(const std::string& digest)>& is_used) {
   RemovedBlobs removed;
-  MORTISE_ASSIGN_OR_RETURN(const auto shelves, FilesIn(folder));
-  for (const std::filesystem::path& shelf : shelves) {
-    if (shelf.filename() == kParts || !std::filesystem::is_directory(shelf)) continue;
-    MORTISE_ASSIGN_OR_RETURN(const auto files, FilesIn(shelf));
-    for (const std::filesystem::path& file : files) {
-      const std::optional<FileState> state = StateOf(file);
-      const std::string digest = file.filename();
-      if (!state || state->written_at >= before || digest.size() != kDigest) continue;
-      if (is_used(digest)) continue;
-      MORTISE_ASSIGN_OR_RETURN(const bool is_gone, RemoveIfOld(folder, file, before));
-      if (!is_gone) continue;
-      ++removed.count;
-      removed.bytes += state->bytes;
-    }
-  }
+  MORTISE_RETURN_IF_ERROR(VisitBlobs(
+      folder, [&](const std::filesystem::path& file, const FileState& state) -> absl::Status {
+        if (state.written_at >= before || is_used(file.filename())) return absl::OkStatus();
+        MORTISE_ASSIGN_OR_RETURN(const bool is_gone, RemoveIfOld(folder, file, before));
+        if (!is_gone) return absl::OkStatus();
+        ++removed.count;
+        removed.bytes += state.bytes;
+        return absl::OkStatus();
+      }));
   return removed;
 }
 

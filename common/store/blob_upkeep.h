@@ -9,6 +9,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -19,6 +20,15 @@ namespace mortise::store {
 
 // Makes a blob as new as if it had just been written. NOT_FOUND; INVALID_ARGUMENT, "digest".
 absl::Status TouchBlob(BlobFolder& blobs, std::string_view digest);
+
+struct BlobEntry {
+  std::string digest;
+  absl::Time written_at;  // or touched
+  double bytes = 0;
+};
+
+// Returns all blobs of `folder`, in no order. INTERNAL, STORAGE_FAILED.
+absl::StatusOr<std::vector<BlobEntry>> ListBlobs(const std::filesystem::path& folder);
 
 // What was removed.
 struct RemovedBlobs {

@@ -53,9 +53,7 @@ absl::Status AddQuarantined(store::ReadTransaction& read, std::set<std::string>*
 
 }  // namespace
 
-absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
-                                                      operations::Operations& operations,
-                                                      const std::filesystem::path& folder) {
+rpc::NamedFiles FilesInUse() {
   rpc::NamedFiles files;
   files.by_operation = [](const operations::Operation& operation, std::set<std::string>* named) {
     v1::Task task;
@@ -65,7 +63,13 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
     MORTISE_RETURN_IF_ERROR(AddAnalyses(read, named));
     return AddQuarantined(read, named);
   };
-  return rpc::RemoveUnusedFiles(store, operations, folder, files);
+  return files;
+}
+
+absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
+                                                      operations::Operations& operations,
+                                                      const std::filesystem::path& folder) {
+  return rpc::RemoveUnusedFiles(store, operations, folder, FilesInUse());
 }
 
 absl::StatusOr<int> RemoveOldProgress(store::Store& store) {

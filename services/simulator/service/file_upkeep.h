@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "common/host/unused_files.h"
 #include "common/store/blob_upkeep.h"
 
 namespace mortise::operations {
@@ -22,8 +23,10 @@ class Store;
 
 namespace mortise::simulator {
 
-// Removes what no analysis, no unfinished operation and no quarantined task names, as
-// rpc::RemoveUnusedFiles does.
+// The files that stay: those that analyses, unfinished operations and quarantined tasks name.
+rpc::NamedFiles FilesInUse();
+
+// Removes all others, as rpc::RemoveUnusedFiles does.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       operations::Operations& operations,
                                                       const std::filesystem::path& folder);

@@ -4,6 +4,9 @@
 namespace mortise::operations {
 class Operations;
 }
+namespace mortise::rpc {
+class FileQuota;
+}
 namespace mortise::store {
 class BlobFolder;
 }
@@ -15,7 +18,8 @@ class SimulatorCore;
 // All of it outlives the calls.
 struct Simulator {
   SimulatorCore* core;       // the store, the queue and who waits for it, the catalog
-  store::BlobFolder* blobs;  // files of meshes and analyses
+  store::BlobFolder* blobs;  // files of meshes, analyses and designs
+  rpc::FileQuota* quota;     // of these
   operations::Operations* operations;
 };
 

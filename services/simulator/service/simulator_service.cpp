@@ -2,6 +2,7 @@
 #include "services/simulator/service/simulator_service.h"
 
 #include "common/base/errors.h"
+#include "common/host/file_quota.h"
 #include "common/rpc/method_overrides.h"
 #include "mortise/v1/simulator.grpc.pb.h"
 #include "services/simulator/service/analysis_methods.h"
@@ -21,9 +22,12 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
 
  public:
   SimulatorAdapter(const rpc::ServiceEnvironment& environment,
-                   const std::shared_ptr<SimulatorCore>& core, store::BlobFolder* blobs)
+                   const std::shared_ptr<SimulatorCore>& core, store::BlobFolder* blobs,
+                   double file_quota)
       : core_(core),
-        simulator_{core.get(), blobs, environment.operations},
+        quota_(environment.store, environment.operations, environment.options.blobs, FilesInUse(),
+               file_quota, "file-disk-quota"),
+        simulator_{core.get(), blobs, &quota_, environment.operations},
         upkeep_(FileUpkeep::Start(environment)),
         endpoint_(environment.dispatcher, "mortise.v1.SimulatorService") {}
 
@@ -48,6 +52,7 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
 
  private:
   const std::shared_ptr<SimulatorCore> core_;
+  rpc::FileQuota quota_;
   const Simulator simulator_;
   const std::shared_ptr<FileUpkeep> upkeep_;
   rpc::Endpoint endpoint_;
@@ -56,13 +61,14 @@ class SimulatorAdapter final : public v1::SimulatorService::CallbackService {
 }  // namespace
 
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
-    rpc::ServiceEnvironment& environment) {
+    rpc::ServiceEnvironment& environment, double file_quota) {
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<SimulatorCore> core,
                            SimulatorCore::Create(environment));
   MORTISE_ASSIGN_OR_RETURN(store::BlobFolder* const blobs, environment.store->Blobs());
   RegisterAnalysis(*environment.operations, core);
   return std::vector<std::shared_ptr<grpc::Service>>{
-      std::make_shared<SimulatorAdapter>(environment, core, blobs), MakeEvaluatorService(core)};
+      std::make_shared<SimulatorAdapter>(environment, core, blobs, file_quota),
+      MakeEvaluatorService(core)};
 }
 
 }  // namespace mortise::simulator

@@ -9,8 +9,11 @@
 
 namespace mortise::simulator {
 
-// Makes the services of this program; it needs --peer catalog=ADDRESS.
+inline constexpr double kDefaultFileQuota = 100e9;  // bytes
+
+// Makes the services of this program; it needs --peer catalog=ADDRESS. `file_quota`: bytes that all
+// files together may take.
 absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
-    rpc::ServiceEnvironment& environment);
+    rpc::ServiceEnvironment& environment, double file_quota);
 
 }  // namespace mortise::simulator

@@ -287,6 +287,10 @@ absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analys
   const absl::StatusOr<std::string> bytes = fields::WriteFields(design, ReadWriteOptions(wanted));
   if (!bytes.ok()) return UnderField("design_fields", bytes.status());
   const absl::StatusOr<std::string> sha256 = context.upload(*bytes);
+  // There will never be room for it.
+  if (DetailOf(sha256.status()).reason == "FILE_BEYOND_QUOTA") {
+    return UnderField("design_fields", sha256.status());
+  }
   if (!sha256.ok()) {
     // No fault of the design's, whatever the reason: the next try may find room.
     return absl::UnavailableError(absl::StrCat("the file of shape and fields could not be stored: ",

@@ -4,15 +4,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
+#include "common/store/blob_folder.h"
 #include "google/rpc/status.pb.h"
+#include "tests/support/status_assertions.h"
 
 namespace mortise::simulator {
 namespace {
@@ -206,6 +211,54 @@ TEST_F(MeshServiceTest, BadInputIsRefusedAndTheWorkerLives) {
   EXPECT_EQ(Analyses(), 0);
   EXPECT_EQ(ResultOf(Run(Bar(digest, "good"))).cases_size(), 1);
   EXPECT_EQ(Analyses(), 1);
+}
+
+// Files of 4 kB each, of which the disk holds two.
+TEST(FileQuotaTest, LetsTheOldestFilesGoAndSaysWhatWillNeverFit) {
+  const TableCatalog catalog;
+  const testing::ServiceUnderTest service(
+      "mortise-simulator", {"--peer=catalog=" + catalog.address(), "--file-disk-quota=1e-5"});
+  const auto stub = v1::SimulatorService::NewStub(service.channel());
+  const auto upload = [&stub](char content, std::size_t size) {
+    grpc::ClientContext context;
+    v1::UploadBlobResponse response;
+    const auto writer = stub->UploadBlob(&context, &response);
+    v1::Chunk chunk;
+    chunk.set_data(std::string(size, content));
+    chunk.set_total_size(static_cast<int64_t>(size));
+    writer->Write(chunk);
+    writer->WritesDone();
+    const absl::Status status = rpc::FromGrpc(writer->Finish());
+    return status.ok() ? absl::StatusOr<std::string>(response.sha256()) : status;
+  };
+  const auto download = [&stub](const std::string& sha256) {
+    grpc::ClientContext context;
+    v1::DownloadBlobRequest request;
+    request.set_sha256(sha256);
+    const auto reader = stub->DownloadBlob(&context, request);
+    v1::Chunk chunk;
+    while (reader->Read(&chunk)) {
+    }
+    return rpc::FromGrpc(reader->Finish());
+  };
+  EXPECT_EQ(DetailOf(upload('x', 10'001).status()).reason, "FILE_BEYOND_QUOTA");
+  const std::string first = upload('a', 4000).value(), second = upload('b', 4000).value();
+  // Both may be about to be named.
+  const absl::Status full = upload('c', 4000).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
+  EXPECT_EQ(DetailOf(full).reason, "FILE_QUOTA");
+  const auto blobs = store::BlobFolder::Open(service.folder() / "blobs").value();
+  for (const std::string& file : {first, second}) {
+    std::filesystem::last_write_time(
+        blobs->PathOf(file).value(),
+        std::filesystem::file_time_type::clock::now() - std::chrono::minutes(30));
+  }
+  EXPECT_OK(download(first));
+  const absl::StatusOr<std::string> third = upload('c', 4000);
+  ASSERT_OK(third);
+  EXPECT_OK(download(first));
+  EXPECT_OK(download(*third));
+  EXPECT_TRUE(absl::IsNotFound(download(second)));
 }
 
 }  // namespace
