@@ -12,6 +12,10 @@ absl::Status CheckMeshSettings(const v1::MeshSettings& settings) {
   if (error != 0 && !(error >= 0.001 && error <= 1)) {
     return InvalidField("mesh.relative_error", "must be within 0.001 to 1, or 0 for no refinement");
   }
+  const double scale = settings.size_scale();
+  if (scale != 0 && !(scale >= 0.5 && scale <= 2)) {
+    return InvalidField("mesh.size_scale", "must be within 0.5 to 2, or 0 for 1");
+  }
   return absl::OkStatus();
 }
 

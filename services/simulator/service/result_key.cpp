@@ -25,8 +25,11 @@ void Append(double value, std::string& bytes) {
 }
 
 std::string RefinementText(const v1::MeshSettings& settings) {
-  if (settings.relative_error() == 0) return "";
-  return absl::StrFormat(" to %a", settings.relative_error());
+  std::string text;
+  if (settings.relative_error() != 0) text = absl::StrFormat(" to %a", settings.relative_error());
+  const bool is_scaled = settings.size_scale() != 0 && settings.size_scale() != 1;
+  if (is_scaled) absl::StrAppendFormat(&text, " by %a", settings.size_scale());
+  return text;
 }
 
 std::string AirflowText(const v1::AirflowSettings& settings) {

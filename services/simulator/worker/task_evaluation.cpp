@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/fem/linear/stopping.h"
 #include "common/files/evaluation_settings.h"
+#include "common/mesh/tetrahedra/mesher.h"
 #include "common/messages/vector_codec.h"
 #include "common/rpc/status_mapping.h"
 #include "services/simulator/analysis/analysis_report.h"
@@ -229,7 +230,6 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
   // Nobody chose the metrics of an analysis.
   options.leave_out_inapplicable = task.fields();
   options.modes = task.modes();
-  options.mesh.element_size = task.mesh().element_size();
   options.mesh.quadratic = !task.mesh().linear();
   options.wanted_error = task.mesh().relative_error();
   options.elasticity.threads = context.threads;
@@ -300,6 +300,24 @@ absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analys
   return absl::OkStatus();
 }
 
+// Makes the model, and says how large its elements are to be; 0 for the default of its surface.
+absl::StatusOr<DesignModel> ModelOf(const v1::Task& task, const Subject& subject,
+                                    const MetricDemands& demands, double& element_size) {
+  const templates::Template& function = *subject.compiled->design_template;
+  const double scale = task.mesh().size_scale() == 0 ? 1 : task.mesh().size_scale();
+  Joining joining{demands.surface, scale * task.mesh().element_size(), task.has_design_fields()};
+  MORTISE_ASSIGN_OR_RETURN(DesignModel model,
+                           MakeDesignModel(function, subject.parameters, subject.design, joining));
+  if (scale != 1 && joining.element_size == 0 && demands.surface) {
+    // The default follows from the surface, whose round faces are drawn for the size in turn.
+    joining.element_size = scale * mesh::DefaultElementSize(model.surface);
+    MORTISE_ASSIGN_OR_RETURN(
+        model, MakeDesignModel(function, subject.parameters, subject.design, joining));
+  }
+  element_size = joining.element_size;
+  return model;
+}
+
 absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
                       v1::ReportTaskRequest& report) {
   MORTISE_ASSIGN_OR_RETURN(const Subject subject, EvaluateSubject(task, context));
@@ -314,10 +332,8 @@ absl::Status Evaluate(const v1::Task& task, const TaskContext& context,
   }
   // Before the parts are fused, which takes a while and would fail for every design alike.
   MORTISE_RETURN_IF_ERROR(CheckConditions(task, demands, design));
-  MORTISE_ASSIGN_OR_RETURN(
-      const DesignModel model,
-      MakeDesignModel(function, subject.parameters, design,
-                      {demands.surface, task.mesh().element_size(), task.has_design_fields()}));
+  MORTISE_ASSIGN_OR_RETURN(const DesignModel model,
+                           ModelOf(task, subject, demands, options.mesh.element_size));
   MORTISE_RETURN_IF_ERROR(CheckStopped(context.stop));
   DesignMotion motion;
   if (task.gradients()) {

@@ -416,6 +416,26 @@ TEST_F(DesignFieldsTest, APointThatLacksARegionOrIsTooLargeFailsByItself) {
   EXPECT_EQ(DetailOf(too_large).reason, "TOO_LARGE");
 }
 
+// Told by their number, of the default size and of one that is said.
+TEST_F(DesignFieldsTest, ElementsAreScaledFromWhateverSizeTheyHave) {
+  const auto worker = StartWorker("worker");
+  for (const double size : {0.0, 0.05}) {
+    v1::EvaluateBatchRequest request = Table({"max_displacement"}, {});
+    request.mutable_mesh()->set_element_size(size);
+    request.mutable_mesh()->set_linear(true);
+    const v1::EvaluationResult plain = EvaluateOne(request);
+    request.mutable_mesh()->set_size_scale(0.5);
+    const v1::EvaluationResult finer = EvaluateOne(request);
+    EXPECT_GT(finer.design_fields().tetrahedra(), 1.5 * plain.design_fields().tetrahedra());
+    EXPECT_NE(ValueOf(finer, "max_displacement"), ValueOf(plain, "max_displacement"));
+    EXPECT_NEAR(ValueOf(finer, "max_displacement"), ValueOf(plain, "max_displacement"),
+                0.5 * ValueOf(plain, "max_displacement"));
+  }
+  v1::EvaluateBatchRequest wrong = Table({"mass"}, {}, v1::SURFACE);
+  wrong.mutable_mesh()->set_size_scale(0.1);
+  EXPECT_EQ(DetailOf(Evaluate(wrong).status()).field, "mesh.size_scale");
+}
+
 TEST_F(DesignFieldsTest, WhatEvaluatorsOfferIsChecked) {
   struct Fault {
     std::string field;

@@ -33,6 +33,7 @@ TEST(ResultKey, TellsApartWhateverAResultDependsOn) {
       [](v1::Task& task) { task.mutable_mesh()->set_element_size(0.2); },
       [](v1::Task& task) { task.mutable_mesh()->set_linear(true); },
       [](v1::Task& task) { task.mutable_mesh()->set_relative_error(0.1); },
+      [](v1::Task& task) { task.mutable_mesh()->set_size_scale(0.8); },
       [](v1::Task& task) { task.mutable_airflow()->set_cells(4000); },
       [](v1::Task& task) { task.mutable_design_fields()->set_geometry(v1::SURFACE); },
       [](v1::Task& task) { task.mutable_design_fields()->set_geometry(v1::TETRAHEDRA); },
@@ -56,6 +57,7 @@ TEST(ResultKey, TellsApartWhateverAResultDependsOn) {
 
 TEST(ResultKey, ForgetsWhoAsksAndWhen) {
   v1::Task task = Wanted();
+  task.mutable_mesh()->set_size_scale(1);
   task.set_trace_id("another");
   task.set_attempt(3);
   task.set_worker("somebody");
