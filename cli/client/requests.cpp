@@ -31,8 +31,10 @@ struct Unit {
   absl::string_view si;  // the SI unit of what is said with it
 };
 
-constexpr Unit kLengths[] = {
-    {"m", 1, "m"}, {"cm", 10 * kMillimetre, "m"}, {"mm", kMillimetre, "m"}};
+constexpr Unit kQuantities[] = {{"m", 1, "m"},
+                                {"cm", 10 * kMillimetre, "m"},
+                                {"mm", kMillimetre, "m"},
+                                {"deg", M_PI / 180, "rad"}};
 constexpr Unit kMetricUnits[] = {{"m", 1, "m"},
                                  {"cm", 10 * kMillimetre, "m"},
                                  {"mm", kMillimetre, "m"},
@@ -110,7 +112,7 @@ v1::Axis AxisOf(const std::string& word) {
 }  // namespace
 
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
-  return ParseWithUnit(text, field, kLengths);
+  return ParseWithUnit(text, field, kQuantities);
 }
 
 absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field) {

@@ -22,7 +22,8 @@
 
 namespace mortise::cli {
 
-// Reads a number with an optional length unit: "1.2", "1.2 m", "1200mm", "120cm". It is in SI.
+// Reads a number with an optional unit of a length or an angle: "1.2", "1.2 m", "1200mm", "120cm",
+// "45deg". It is in SI.
 // INVALID_ARGUMENT naming `field`.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
 

@@ -24,6 +24,8 @@ struct PlanOptions {
   std::vector<std::string> parameters;
   int quantity = 1;
   std::string kerf, board_trim, sheet_trim, sheet_spacing;
+  std::string mitre_limit, bevel_limit, jigsaw_radius;
+  bool no_compound_cuts = false;
   TagOptions tags;
   std::filesystem::path out;
   bool detach = false;
@@ -74,12 +76,16 @@ absl::Status AddRules(const PlanOptions& options, v1::CreatePlanRequest& request
   } rules[] = {{options.kerf, "--kerf", &v1::WorkshopRules::set_kerf},
                {options.board_trim, "--board-trim", &v1::WorkshopRules::set_board_trim},
                {options.sheet_trim, "--sheet-trim", &v1::WorkshopRules::set_sheet_trim},
-               {options.sheet_spacing, "--sheet-spacing", &v1::WorkshopRules::set_sheet_spacing}};
+               {options.sheet_spacing, "--sheet-spacing", &v1::WorkshopRules::set_sheet_spacing},
+               {options.mitre_limit, "--mitre-limit", &v1::WorkshopRules::set_mitre_limit},
+               {options.bevel_limit, "--bevel-limit", &v1::WorkshopRules::set_bevel_limit},
+               {options.jigsaw_radius, "--jigsaw-radius", &v1::WorkshopRules::set_jigsaw_radius}};
   for (const auto& [text, flag, set] : rules) {
     if (text.empty()) continue;
-    MORTISE_ASSIGN_OR_RETURN(const double length, ParseQuantity(text, flag));
-    (request.mutable_rules()->*set)(length);
+    MORTISE_ASSIGN_OR_RETURN(const double quantity, ParseQuantity(text, flag));
+    (request.mutable_rules()->*set)(quantity);
   }
+  if (options.no_compound_cuts) request.mutable_rules()->set_compound_cuts(false);
   return absl::OkStatus();
 }
 
@@ -136,6 +142,15 @@ void AddPlanCommand(CLI::App& app, Session& session) {
             "rules.sheet_trim");
   flags.Add("--sheet-spacing", options->sheet_spacing,
             "Least distance between outlines on a sheet; 10mm if absent", "rules.sheet_spacing");
+  flags.Add("--mitre-limit", options->mitre_limit,
+            "How far the chop saw's table turns; 50deg if absent", "rules.mitre_limit");
+  flags.Add("--bevel-limit", options->bevel_limit,
+            "How far the chop saw's blade tilts; 45deg if absent", "rules.bevel_limit");
+  flags.command().add_flag("--no-compound-cuts", options->no_compound_cuts,
+                           "The chop saw does not turn and tilt in one cut");
+  flags.Add("--jigsaw-radius", options->jigsaw_radius,
+            "Least radius of inner arcs that the jigsaw follows; 10mm if absent",
+            "rules.jigsaw_radius");
   flags.Add("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
   AddTagOptions(flags, options->tags);
   AddDetach(flags.command(), options->detach)->excludes("--out");

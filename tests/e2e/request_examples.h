@@ -199,7 +199,8 @@ inline constexpr Example kExamples[] = {
     {"FabPlannerService/CreatePlan",
      "request_id: 'bad-8' template: 'templates/table' template_revision: 1 quantity: 1 "
      "parameters { name: 'length' value: 1.5 } "
-     "rules { kerf: 0.003 board_trim: 0.01 sheet_trim: 0.01 sheet_spacing: 0.01 }",
+     "rules { kerf: 0.003 board_trim: 0.01 sheet_trim: 0.01 sheet_spacing: 0.01 mitre_limit: 0.8 "
+     "bevel_limit: 0.7 compound_cuts: true jigsaw_radius: 0.01 }",
      Outcome::kChanges},
     {"FabPlannerService/GetPlan", "name: '{plan}'"},
     {"FabPlannerService/ListPlans", "page_size: 10"},

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/cutting/bin_packing.h"
+#include "services/fabplanner/cutting/board_chain.h"
+#include "services/fabplanner/cutting/sloped_packing.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -55,11 +58,62 @@ absl::Status TooLong(const CrosscutPart& part, double longest, const CuttingStoc
       part.label);
 }
 
+// Whether any end is not square.
+bool AnySloped(const std::vector<CrosscutPart>& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const CrosscutPart& part) { return !AreSquare(part.ends); });
+}
+
+// Slopes only make sense on a section, and between the points of a part.
+absl::Status CheckSlopes(const std::vector<CrosscutPart>& parts, const Eigen::Vector2d& section) {
+  if (!section.allFinite() || section.minCoeff() <= 0 || section.maxCoeff() > kMaxLength) {
+    return InvalidField("section", "must be over 0 and up to 1000 m, as there are sloped ends");
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double reach =
+        ReachOf(parts[i].ends.front, section) + ReachOf(parts[i].ends.rear, section);
+    if (std::isfinite(reach) && reach < 2 * parts[i].length + kEndTolerance) continue;
+    return InvalidField(absl::StrCat("parts[", i, "].ends"),
+                        "are steeper than the part's length allows");
+  }
+  return absl::OkStatus();
+}
+
+CuttingStock CutSloped(const std::vector<CrosscutPart>& parts,
+                       const std::vector<StockLength>& stock, std::vector<BinType> types,
+                       double cost_unit, const CuttingStockOptions& options) {
+  const int64_t kerf = ToUnits(options.kerf);
+  for (BinType& type : types) type.capacity = std::max<int64_t>(type.capacity - kerf, 1);
+  std::vector<SlopedPart> sloped;
+  for (const CrosscutPart& part : parts) sloped.push_back({ToUnits(part.length), part.ends});
+  const SlopedPacking packing =
+      PackSlopedParts(sloped, types, options.section, options.kerf, options.search_steps);
+  CuttingStock result;
+  result.cost = static_cast<double>(packing.cost) / cost_unit;
+  result.lower_bound = static_cast<double>(packing.lower_bound) / cost_unit;
+  result.optimal = packing.optimal;
+  for (const SlopedBoard& chained : packing.boards) {
+    CutBoard& board = result.boards.emplace_back();
+    board.stock = chained.type;
+    for (const SlopedPlacement& placement : chained.placements) {
+      const CrosscutPart& part = parts[static_cast<std::size_t>(placement.part)];
+      board.parts.push_back(placement.part);
+      board.starts.push_back(options.trim + static_cast<double>(placement.start) / kUnitsPerMetre);
+      board.ends.push_back(Laid(part.ends, placement.way));
+    }
+    const double used = options.trim + static_cast<double>(chained.taken) / kUnitsPerMetre +
+                        KerfAlong(board.ends.back().rear, options.kerf);
+    board.offcut = std::max(0.0, stock[static_cast<std::size_t>(chained.type)].length - used);
+  }
+  return result;
+}
+
 CutBoard PlaceParts(const std::vector<CrosscutPart>& parts, const PackedBin& bin,
                     double stock_length, const CuttingStockOptions& options) {
   CutBoard board;
   board.stock = bin.type;
   board.parts = bin.items;
+  board.ends.resize(bin.items.size());
   double position = options.trim;
   for (int part : bin.items) {
     board.starts.push_back(position);
@@ -96,6 +150,10 @@ absl::StatusOr<CuttingStock> CutStock(const std::vector<CrosscutPart>& parts,
   }
 
   const double cost_unit = priced ? kUnitsPerCost : kUnitsPerMetre;
+  if (AnySloped(parts)) {
+    MORTISE_RETURN_IF_ERROR(CheckSlopes(parts, options.section));
+    return CutSloped(parts, stock, std::move(types), cost_unit, options);
+  }
   const Packing packing = PackBins(sizes, types, options.search_steps);
   CuttingStock result;
   result.cost = static_cast<double>(packing.cost) / cost_unit;

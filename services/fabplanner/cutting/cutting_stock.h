@@ -9,6 +9,10 @@
 //
 // which is bin packing of sizes l_i + kerf into L − 2 trim + kerf, solved by bin_packing.h in units
 // of a nanometre. Boards of least total cost are wanted; by default a board costs its length.
+//
+// Where some ends are mitred or bevelled, parts are turned and put behind each other so that ends
+// that run alike meet: one cut makes both (sloped_packing.h). The kerf is then measured along the
+// board, and `trim` from its ends to the points of parts that are nearest to them.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +20,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "services/fabplanner/plan/end_cuts.h"
 
 namespace mortise::fabplanner {
 
@@ -27,20 +32,24 @@ struct StockLength {
 
 struct CrosscutPart {
   std::string label;  // for messages
-  double length = 0;  // m, > 0
+  double length = 0;  // m, > 0, from its foremost to its last point
+  CutEnds ends = {};  // at most as steep as its length allows
 };
 
 struct CuttingStockOptions {
   double kerf = 0.003;             // m, >= 0
   double trim = 0.010;             // m, >= 0, at each end
   int64_t search_steps = 3000000;  // bound on the exact search; below a second
+  // m, of the boards: width and thickness; needed where ends are not square.
+  Eigen::Vector2d section = Eigen::Vector2d::Zero();
 };
 
 // A board and its parts from the front end.
 struct CutBoard {
   int stock = 0;               // index of the stock length
   std::vector<int> parts;      // indices of the parts
-  std::vector<double> starts;  // m from the front end, of each part
+  std::vector<double> starts;  // m from the front end, of each part's foremost point
+  std::vector<CutEnds> ends;   // of each part as it lies
   double offcut = 0;           // m left at the far end behind the last cut, >= 0
 };
 

@@ -24,7 +24,12 @@ namespace {
 // Parts that come from the same stock: one item, one width and thickness in micrometres (the width
 // of a sheet, or of a plank that is ripped, is not fixed by its parts and stays 0).
 using StockKey = std::tuple<std::string, int64_t, int64_t>;
-using PartsByStock = std::map<StockKey, std::vector<const Part*>>;
+
+// A part that is crosscut, and how its ends are cut.
+struct Crosscut {
+  const Part* part = nullptr;
+  CutEnds ends;
+};
 
 constexpr double kMinCost = 1e-4;  // of a piece that costs nothing
 
@@ -126,14 +131,14 @@ int RipStrips(const Item& item, const std::vector<std::size_t>& boards, Fabricat
 
 // Crosscuts parts of one section from boards, or strips, of all lengths the item is sold in, and
 // adds to `of_size` which boards are of which.
-absl::Status CrosscutSection(const std::vector<const Part*>& parts, const Item& item,
+absl::Status CrosscutSection(const std::vector<Crosscut>& parts, const Item& item,
                              const std::vector<StockSize>& sizes, FabricationPlan* plan,
                              std::map<int, std::vector<std::size_t>>* of_size) {
-  const Eigen::Vector3d& section = parts.front()->size;
+  const Eigen::Vector3d& section = parts.front().part->size;
   std::vector<CrosscutPart> crosscuts;
   for (int copy = 1; copy <= plan->quantity; ++copy) {
-    for (const Part* part : parts) {
-      crosscuts.push_back({PartLabel(part->name, copy, plan->quantity), part->size.x()});
+    for (const auto& [part, ends] : parts) {
+      crosscuts.push_back({PartLabel(part->name, copy, plan->quantity), part->size.x(), ends});
     }
   }
   const std::optional<std::vector<double>> costs = CostsOf(item, sizes);
@@ -141,8 +146,9 @@ absl::Status CrosscutSection(const std::vector<const Part*>& parts, const Item& 
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     lengths.push_back({sizes[i].length, costs ? (*costs)[i] : 0});
   }
-  const absl::StatusOr<CuttingStock> cut =
-      CutStock(crosscuts, lengths, {.kerf = plan->rules.kerf, .trim = plan->rules.board_trim});
+  const absl::StatusOr<CuttingStock> cut = CutStock(
+      crosscuts, lengths,
+      {.kerf = plan->rules.kerf, .trim = plan->rules.board_trim, .section = section.tail<2>()});
   MORTISE_RETURN_IF_ERROR(OfItem(cut.status(), item));
   plan->boards_proven_optimal = plan->boards_proven_optimal && cut->optimal;
   for (const CutBoard& board : cut->boards) {
@@ -156,7 +162,7 @@ absl::Status CrosscutSection(const std::vector<const Part*>& parts, const Item& 
     layout.offcut = board.offcut;
     for (std::size_t i = 0; i < board.parts.size(); ++i) {
       const CrosscutPart& part = crosscuts[board.parts[i]];
-      layout.segments.push_back({part.label, board.starts[i], part.length});
+      layout.segments.push_back({part.label, board.starts[i], part.length, board.ends[i]});
     }
   }
   plan->chop_saw_parts += static_cast<int>(crosscuts.size());
@@ -164,10 +170,12 @@ absl::Status CrosscutSection(const std::vector<const Part*>& parts, const Item& 
 }
 
 // Parts of one thickness, and of one width unless planks are ripped to it.
-absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
-                       FabricationPlan* plan, std::vector<Purchase>* purchases) {
-  std::map<int64_t, std::vector<const Part*>> by_width;
-  for (const Part* part : parts) by_width[Micrometres(part->size.y())].push_back(part);
+absl::Status CutBoards(const std::vector<Crosscut>& parts, const Item& item, FabricationPlan* plan,
+                       std::vector<Purchase>* purchases) {
+  std::map<int64_t, std::vector<Crosscut>> by_width;
+  for (const Crosscut& crosscut : parts) {
+    by_width[Micrometres(crosscut.part->size.y())].push_back(crosscut);
+  }
   const std::vector<StockSize> sizes = StockOf(item);
   std::map<int, std::vector<std::size_t>> whole, strips;  // boards of each stock size
   for (const auto& [width, alike] : by_width) {
@@ -178,7 +186,7 @@ absl::Status CutBoards(const std::vector<const Part*>& parts, const Item& item,
   std::map<int, int> pieces;  // to buy of each stock size
   for (const auto& [stock, boards] : whole) pieces[stock] += static_cast<int>(boards.size());
   for (const auto& [stock, boards] : strips) pieces[stock] += RipStrips(item, boards, plan);
-  const Eigen::Vector3d& section = parts.front()->size;
+  const Eigen::Vector3d& section = parts.front().part->size;
   const double width = item.ripped ? item.size.y() : section.y();
   for (const auto& [stock, count] : pieces) {
     purchases->push_back(
@@ -275,14 +283,15 @@ std::string PartLabel(const std::string& name, int copy, int quantity) {
 
 absl::Status CutParts(const Design& design, const Items& items, FabricationPlan* plan,
                       std::vector<Purchase>* purchases) {
-  PartsByStock boards, sheets;
+  std::map<StockKey, std::vector<Crosscut>> boards;
+  std::map<StockKey, std::vector<const Part*>> sheets;
   for (std::size_t i = 0; i < design.parts.size(); ++i) {
     const Part& part = design.parts[i];
     const Making making = plan->parts[i].making;
     if (making == Making::kCrosscut) {
       const bool is_ripped = items.at(part.item).ripped;
       boards[{part.item, is_ripped ? 0 : Micrometres(part.size.y()), Micrometres(part.size.z())}]
-          .push_back(&part);
+          .push_back({&part, plan->parts[i].ends});
     } else if (making == Making::kOutline) {
       sheets[{part.item, 0, Micrometres(part.size.z())}].push_back(&part);
     }

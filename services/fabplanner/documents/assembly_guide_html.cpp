@@ -65,7 +65,10 @@ void AppendParts(const FabricationPlan& plan, const Design& design, const Items&
     const Part& part = design.parts[i];
     const PlannedPart& planned = plan.parts[i];
     const std::string title = Escape(TitleOf(part)), of = Escape(ItemTitle(items, part.item));
-    std::string remark = Escape(planned.handwork);
+    std::string remark = Escape(EndsText(planned.ends));
+    if (!planned.handwork.empty()) {
+      absl::StrAppend(&remark, remark.empty() ? "" : "; ", Escape(planned.handwork));
+    }
     if (!planned.drawings.empty()) {
       absl::StrAppend(&remark, " <span class=\"quiet\">", planned.drawings.front(), "</span>");
     }

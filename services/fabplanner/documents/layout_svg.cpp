@@ -1,6 +1,7 @@
 #include "services/fabplanner/documents/layout_svg.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -18,6 +19,7 @@ constexpr double kPageWidth = 1180;     // px
 constexpr double kMargin = 40;          // px
 constexpr double kDrawingWidth = 1040;  // px, of the longest stock
 constexpr double kBoardHeight = 40;     // px
+constexpr double kRow = 15;             // px, between two rows of dimensions
 
 // Stock that is cut alike: the first of it, and the labels of all.
 struct Alike {
@@ -85,25 +87,95 @@ void TextInside(SvgDrawing& drawing, double x, double y, double width, double si
   drawing.Text(x, y, size, TextAnchor::kMiddle, shown, style_class);
 }
 
-// `single`: nothing else is cut alike, so that labels say which copy a part is of.
-void DrawBoard(SvgDrawing& drawing, const BoardLayout& board, const WorkshopRules& rules,
-               bool single, double scale, double y, PartColors& colors) {
+// The cuts at either end of a part, as the board is seen from above: its edge v = -width / 2 is the
+// lower one.
+class SegmentEnds {
+ public:
+  SegmentEnds(const BoardSegment& segment, const BoardLayout& board)
+      : ends_(segment.ends), section_(board.width, board.thickness) {
+    front_ = segment.start + ReachOf(ends_.front, section_);
+    rear_ = segment.start + segment.length - ReachOf(ends_.rear, section_);
+  }
+
+  const EndSlope& front() const { return ends_.front; }
+  const EndSlope& rear() const { return ends_.rear; }
+
+  // Where a cut meets the lower (-1) or upper (1) edge of the upper (1) or lower (-1) face, m.
+  double FrontAt(int edge, int face) const { return front_ + Off(ends_.front, edge, face); }
+  double RearAt(int edge, int face) const { return rear_ + Off(ends_.rear, edge, face); }
+
+ private:
+  double Off(const EndSlope& end, int edge, int face) const {
+    return edge * end.across * section_.x() / 2 + face * end.through * section_.y() / 2;
+  }
+
+  CutEnds ends_;
+  Eigen::Vector2d section_;
+  double front_ = 0, rear_ = 0;  // m, on the middle line
+};
+
+// Whether one cut makes the rear of one part and the front of the next.
+bool IsOneCut(const EndSlope& rear, const EndSlope& front, const BoardLayout& board) {
+  const Eigen::Vector2d off((rear.across - front.across) * board.width,
+                            (rear.through - front.through) * board.thickness);
+  return off.cwiseAbs().maxCoeff() <= 2 * kEndTolerance;
+}
+
+// A part of a board, its bevels, and how its cuts are set: where they are on the board's lower
+// edge, as a stop is set, and the angles of those that are not square.
+void DrawSegment(SvgDrawing& drawing, const BoardLayout& board, std::size_t index, bool single,
+                 double scale, double y, PartColors& colors) {
+  const BoardSegment& segment = board.segments[index];
+  const SegmentEnds ends(segment, board);
+  const double low = y + kBoardHeight;
+  const auto at = [&](double along) { return kMargin + along * scale; };
+  drawing.Polygon({{at(ends.FrontAt(1, 1)), y},
+                   {at(ends.RearAt(1, 1)), y},
+                   {at(ends.RearAt(-1, 1)), low},
+                   {at(ends.FrontAt(-1, 1)), low}},
+                  "part", colors.Of(segment.part));
+  if (ends.front().through != 0) {
+    drawing.Line(at(ends.FrontAt(1, -1)), y, at(ends.FrontAt(-1, -1)), low, "hidden");
+  }
+  if (ends.rear().through != 0) {
+    drawing.Line(at(ends.RearAt(1, -1)), y, at(ends.RearAt(-1, -1)), low, "hidden");
+  }
+  const double x0 = at(segment.start), x1 = at(segment.start + segment.length);
+  const double inner0 = at(std::max(ends.FrontAt(1, 1), ends.FrontAt(-1, 1)));
+  const double inner1 = at(std::min(ends.RearAt(1, 1), ends.RearAt(-1, 1)));
+  TextInside(drawing, (inner0 + inner1) / 2, y + kBoardHeight / 2 + 4, inner1 - inner0 - 6, 12,
+             single ? segment.part : WithoutCopy(segment.part));
+  // Lengths of neighbours whose ends reach over each other stand in two rows.
+  const double raised = HasSlopedEnds(board) && index % 2 == 1 ? kRow : 0;
+  drawing.Dimension(x0, x1, y - 8 - raised, Millimetres(segment.length));
+  const auto mark = [&](double along, const EndSlope& end) {
+    return IsSquare(end) ? Millimetres(along)
+                         : absl::StrCat(Millimetres(along), " ∠ ", EndText(end));
+  };
+  const double rear = ends.RearAt(-1, 1);
+  drawing.Text(at(rear), low + 14 + raised, 10, TextAnchor::kEnd, mark(rear, ends.rear()), "quiet");
+  const bool is_made =
+      index > 0 && IsOneCut(board.segments[index - 1].ends.rear, ends.front(), board);
+  if (is_made || IsSquare(ends.front())) return;
+  const double front = ends.FrontAt(-1, 1);
+  drawing.Text(at(front), low + 14 + 2 * kRow, 10, TextAnchor::kStart, mark(front, ends.front()),
+               "quiet");
+}
+
+// Returns how far below `y`, the board's upper edge, the drawing ends. `single`: nothing else is
+// cut alike, so that labels say which copy a part is of.
+double DrawBoard(SvgDrawing& drawing, const BoardLayout& board, const WorkshopRules& rules,
+                 bool single, double scale, double y, PartColors& colors) {
   const double left = kMargin;
   drawing.Rectangle(left, y, board.stock_length * scale, kBoardHeight, "stock");
-  if (!board.segments.empty() && board.segments.front().start > 0) {
+  if (HasSlopedEnds(board)) {
+    // Wedges between parts are waste; they show where no part covers them.
+    drawing.Rectangle(left, y, (board.stock_length - board.offcut) * scale, kBoardHeight, "waste");
+  } else if (!board.segments.empty() && board.segments.front().start > 0) {
     drawing.Rectangle(left, y, board.segments.front().start * scale, kBoardHeight, "waste");
   }
-  for (const BoardSegment& segment : board.segments) {
-    const double x0 = left + segment.start * scale;
-    const double x1 = x0 + segment.length * scale;
-    drawing.Polygon({{x0, y}, {x1, y}, {x1, y + kBoardHeight}, {x0, y + kBoardHeight}}, "part",
-                    colors.Of(segment.part));
-    TextInside(drawing, (x0 + x1) / 2, y + kBoardHeight / 2 + 4, x1 - x0 - 6, 12,
-               single ? segment.part : WithoutCopy(segment.part));
-    drawing.Dimension(x0, x1, y - 8, Millimetres(segment.length));
-    // Where to cut, counted from the front end, as a stop is set.
-    drawing.Text(x1, y + kBoardHeight + 14, 10, TextAnchor::kEnd,
-                 Millimetres(segment.start + segment.length), "quiet");
+  for (std::size_t i = 0; i < board.segments.size(); ++i) {
+    DrawSegment(drawing, board, i, single, scale, y, colors);
   }
   if (board.offcut > rules.kerf) {
     const double x0 = left + (board.stock_length - board.offcut) * scale;
@@ -112,12 +184,18 @@ void DrawBoard(SvgDrawing& drawing, const BoardLayout& board, const WorkshopRule
     TextInside(drawing, (x0 + x1) / 2, y + kBoardHeight / 2 + 4, x1 - x0 - 6, 11,
                absl::StrCat("offcut ", Millimetres(board.offcut)), "quiet");
   }
+  return kBoardHeight + (HasSlopedEnds(board) ? 2 * kRow : 0);
 }
 
 auto BoardKey(const BoardLayout& board) {
-  std::vector<std::pair<std::string, int64_t>> parts;
+  std::vector<std::tuple<std::string, int64_t, std::array<int64_t, 4>>> parts;
   for (const BoardSegment& segment : board.segments) {
-    parts.emplace_back(WithoutCopy(segment.part), Micrometres(segment.length));
+    const CutEnds& ends = segment.ends;
+    parts.emplace_back(WithoutCopy(segment.part), Micrometres(segment.length),
+                       std::array<int64_t, 4>{Micrometres(ends.front.across * board.width),
+                                              Micrometres(ends.front.through * board.thickness),
+                                              Micrometres(ends.rear.across * board.width),
+                                              Micrometres(ends.rear.through * board.thickness)});
   }
   return std::make_tuple(board.item, Micrometres(board.width), Micrometres(board.thickness),
                          Micrometres(board.stock_length), parts);
@@ -195,6 +273,16 @@ std::string BoardsSvg(const FabricationPlan& plan) {
                             "; each end trimmed by ", Millimetres(plan.rules.board_trim),
                             ". Below a board: where to cut, measured from its front end (left)."),
                "quiet");
+  if (std::any_of(plan.boards.begin(), plan.boards.end(), HasSlopedEnds)) {
+    drawing.Text(kMargin, y += 16, 12, TextAnchor::kStart,
+                 "∠: the cut's angle from square, leaning as drawn (heights are not to scale); the "
+                 "place is on the board's lower edge.",
+                 "quiet");
+    drawing.Text(kMargin, y += 16, 12, TextAnchor::kStart,
+                 "Broken: where a bevel comes out below. Where two cuts meet, the squarer is made "
+                 "first.",
+                 "quiet");
+  }
   const BoardLayout* last = nullptr;
   for (const Alike& alike : GroupAlike(plan.boards, BoardKey)) {
     const BoardLayout& board = plan.boards[alike.first];
@@ -208,8 +296,8 @@ std::string BoardsSvg(const FabricationPlan& plan) {
     last = &board;
     drawing.Text(kMargin, y += 26, 12, TextAnchor::kStart,
                  absl::StrCat(LabelsText(alike), ", stock ", Millimetres(board.stock_length)));
-    DrawBoard(drawing, board, plan.rules, alike.labels.size() == 1, scale, y += 30, colors);
-    y += kBoardHeight + 20;
+    y += HasSlopedEnds(board) ? 30 + kRow : 30;
+    y += 20 + DrawBoard(drawing, board, plan.rules, alike.labels.size() == 1, scale, y, colors);
   }
   return drawing.Finish(kPageWidth, y + kMargin, "Cutting diagram: boards");
 }

@@ -64,18 +64,26 @@ std::string DirectionText(const Eigen::Vector3d& direction) {
   return absl::StrFormat("%.4f %.4f %.4f", direction.x(), direction.y(), direction.z());
 }
 
+// Degrees to a tenth, with their sign.
+std::string Degrees(double angle) {
+  return absl::StrCat(std::round(angle * 1800 / M_PI) / 10 + 0.0);
+}
+
 }  // namespace
 
 std::string CutListCsv(const FabricationPlan& plan) {
   std::string csv;
-  AppendRow({"stock", "item", "process", "part", "start_u_mm", "start_v_mm", "length_mm",
-             "width_mm", "thickness_mm"},
-            &csv);
+  AppendRow(
+      {"stock", "item", "process", "part", "start_u_mm", "start_v_mm", "length_mm", "width_mm",
+       "thickness_mm", "front_mitre_deg", "front_bevel_deg", "rear_mitre_deg", "rear_bevel_deg"},
+      &csv);
   for (const BoardLayout& board : plan.boards) {
     for (const BoardSegment& segment : board.segments) {
       AppendRow(
           {board.label, board.item, "crosscut", segment.part, Millimetres(segment.start), "0",
-           Millimetres(segment.length), Millimetres(board.width), Millimetres(board.thickness)},
+           Millimetres(segment.length), Millimetres(board.width), Millimetres(board.thickness),
+           Degrees(MitreOf(segment.ends.front)), Degrees(BevelOf(segment.ends.front)),
+           Degrees(MitreOf(segment.ends.rear)), Degrees(BevelOf(segment.ends.rear))},
           &csv);
     }
   }
@@ -88,7 +96,7 @@ std::string CutListCsv(const FabricationPlan& plan) {
       }
       AppendRow({sheet.label, sheet.item, "outline", placement.part, Millimetres(lower.x()),
                  Millimetres(lower.y()), Millimetres(upper.x() - lower.x()),
-                 Millimetres(upper.y() - lower.y()), Millimetres(sheet.thickness)},
+                 Millimetres(upper.y() - lower.y()), Millimetres(sheet.thickness), "", "", "", ""},
                 &csv);
     }
   }
@@ -124,7 +132,7 @@ std::string BillCsv(const FabricationPlan& plan) {
 std::string PartsCsv(const FabricationPlan& plan, const Design& design) {
   std::string csv;
   AppendRow({"part", "title", "made_by", "item", "length_mm", "width_mm", "thickness_mm", "mass_kg",
-             "handwork", "drawings"},
+             "handwork", "drawings", "ends"},
             &csv);
   for (std::size_t i = 0; i < plan.parts.size(); ++i) {
     const PlannedPart& planned = plan.parts[i];
@@ -132,7 +140,7 @@ std::string PartsCsv(const FabricationPlan& plan, const Design& design) {
     AppendRow({planned.part, part.title, MakingText(planned.making), part.item,
                Millimetres(planned.size.x()), Millimetres(planned.size.y()),
                Millimetres(planned.size.z()), absl::StrFormat("%.3f", part.mass), planned.handwork,
-               absl::StrJoin(planned.drawings, " ")},
+               absl::StrJoin(planned.drawings, " "), EndsText(planned.ends)},
               &csv);
   }
   return csv;

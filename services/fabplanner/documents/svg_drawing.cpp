@@ -18,6 +18,7 @@ constexpr char kStyle[] =
     ".part{stroke:#333;stroke-width:1}"
     ".waste{fill:url(#hatch);stroke:#888;stroke-width:0.8}"
     ".edge{fill:none;stroke:#aaa;stroke-width:0.8;stroke-dasharray:5 4}"
+    ".hidden{stroke:#333;stroke-width:0.8;stroke-dasharray:3 3}"
     ".dimension{stroke:#555;stroke-width:0.8}"
     ".visible{stroke:#222;stroke-width:1.1}.behind{stroke:#bbb;stroke-width:0.7}";
 

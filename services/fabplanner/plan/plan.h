@@ -3,19 +3,44 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/fabplanner/plan/design.h"
+#include "services/fabplanner/plan/end_cuts.h"
 
 namespace mortise::fabplanner {
 
-// Rules of the workshop, metres.
+// Rules of the workshop, metres and radians.
 struct WorkshopRules {
   double kerf = 0.003;           // width of a saw cut, >= 0
   double board_trim = 0.010;     // cut off each end of a board: 0 or at least the kerf
   double sheet_trim = 0.010;     // left off each edge of a sheet, >= 0
   double sheet_spacing = 0.010;  // least distance between outlines on a sheet, >= the kerf
+
+  // What the machines can do.
+  double mitre_limit = 50 * M_PI / 180;  // how far the chop saw's table turns to either side
+  double bevel_limit = 45 * M_PI / 180;  // how far its blade tilts
+  bool compound_cuts = true;             // whether it does both in one cut
+  double jigsaw_radius = 0.010;          // least radius of the inner arcs that the jigsaw follows
+};
+
+// Why a machine cannot make a part as it is.
+struct MachineLimit {
+  // The rule that is passed: mitre_limit, bevel_limit, compound_cuts, jigsaw_radius.
+  enum class Kind { kMitre, kBevel, kCompound, kRadius };
+  Kind kind = Kind::kMitre;
+  std::string place;   // where on the part, for people: "front end", "inner corner at 120, 40 mm"
+  double value = 0;    // what the part needs: rad, or m; of kCompound the bevel
+  double limit = 0;    // what the rules allow: rad, or m; of kCompound 0
+  std::string reason;  // for people
+
+  // Changes of one parameter each by which the part is made as it is: names, and values in the
+  // parameters' units.
+  std::vector<std::pair<std::string, double>> nearest_parameters = {};
 };
 
 // The ways in which a part is come by.
@@ -35,13 +60,20 @@ struct PlannedPart {
   std::string handwork;               // what people do to it besides; empty for nothing
   bool to_shape = false;              // what it looks like takes a drawing to tell
   std::vector<std::string> drawings;  // file names
+
+  // Of a part that is crosscut: how its ends are cut, in its own axes. Of square stock that is
+  // turned by a quarter the width counts as its thickness.
+  CutEnds ends = {};
+  std::vector<MachineLimit> beyond_machines = {};
 };
 
-// A part on a board.
+// A part on a board. Where ends are not square it may begin before the part in front of it ends: of
+// two ends that run alike, one cut makes both.
 struct BoardSegment {
-  std::string part;  // label
-  double start = 0;  // from the board's front end
-  double length = 0;
+  std::string part;   // label
+  double start = 0;   // of its foremost point, from the board's front end
+  double length = 0;  // to its last point
+  CutEnds ends = {};  // as it lies on the board
 };
 
 // A board and what is cut from it, from its front end.
@@ -58,6 +90,12 @@ struct BoardLayout {
   std::string plank = {};     // the plank's label, "plank-1"; empty for a board that is not ripped
   double plank_position = 0;  // from the plank's edge to the strip's
 };
+
+// Whether an end of any of the board's parts is not square.
+inline bool HasSlopedEnds(const BoardLayout& board) {
+  return std::any_of(board.segments.begin(), board.segments.end(),
+                     [](const BoardSegment& segment) { return !AreSquare(segment.ends); });
+}
 
 // An outline on a sheet.
 struct SheetPlacement {

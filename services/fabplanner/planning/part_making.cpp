@@ -2,11 +2,15 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/plan/dimension_text.h"
+#include "services/fabplanner/plan/end_cuts.h"
+#include "services/fabplanner/planning/saw_limits.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -72,22 +76,51 @@ bool IsStockCut(const Part& part, const Item& item) {
   return IsBox(part) || IsRoundCut(part, item);
 }
 
-PlannedPart PlanPart(const Part& part, const Item& item) {
-  PlannedPart planned{part.name, Making::kBought, part.size, "", false, {}};
-  if (part.process == CutProcess::kNone) return planned;
-  const bool crosscut = part.process == CutProcess::kChopSaw;
-  planned.making = crosscut ? Making::kCrosscut : Making::kOutline;
-  planned.to_shape = crosscut ? !IsStockCut(part, item) : !IsUpright(part);
-  if (planned.to_shape) {
-    planned.handwork =
-        absl::StrCat("shape it from the blank of ", SizeText(part.size), " after the drawing");
+// What is left to do by hand, and why: "its end towards +x is …: saw it by hand after the drawing".
+std::string ByHand(const std::vector<MachineLimit>& limits, const std::string& what_to_do) {
+  std::vector<std::string> reasons;
+  for (const MachineLimit& limit : limits) {
+    reasons.push_back(absl::StrCat("its ", limit.place, " ", limit.reason));
   }
+  return absl::StrCat(absl::StrJoin(reasons, "; "), ": ", what_to_do);
+}
+
+std::string ShapedFromBlank(const Part& part) {
+  return absl::StrCat("shape it from the blank of ", SizeText(part.size), " after the drawing");
+}
+
+void PlanCrosscut(const Part& part, const Item& item, const WorkshopRules& rules,
+                  PlannedPart* planned) {
+  planned->making = Making::kCrosscut;
+  if (IsStockCut(part, item)) return;
+  const std::optional<CutEnds> ends = item.round ? std::nullopt : EndsOf(part);
+  if (ends) planned->ends = SawnEnds(part, *ends, rules, &planned->beyond_machines);
+  planned->to_shape = !ends || !planned->beyond_machines.empty();
+  if (!ends) {
+    planned->handwork = ShapedFromBlank(part);
+  } else if (planned->to_shape) {
+    planned->handwork =
+        ByHand(planned->beyond_machines, "saw what is left by hand after the drawing");
+  }
+}
+
+void PlanOutline(const Part& part, PlannedPart* planned) {
+  planned->making = Making::kOutline;
+  planned->to_shape = !IsUpright(part);
+  if (planned->to_shape) planned->handwork = ShapedFromBlank(part);
+}
+
+PlannedPart PlanPart(const Part& part, const Item& item, const WorkshopRules& rules) {
+  PlannedPart planned{part.name, Making::kBought, part.size, "", false, {}};
+  if (part.process == CutProcess::kChopSaw) PlanCrosscut(part, item, rules, &planned);
+  if (part.process == CutProcess::kJigsaw) PlanOutline(part, &planned);
   return planned;
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items) {
+absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items,
+                                                   const WorkshopRules& rules) {
   if (design.parts.empty()) return InvalidField("parts", "the design has no parts");
   std::vector<PlannedPart> planned;
   for (const Part& part : design.parts) {
@@ -106,7 +139,7 @@ absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const I
       return InvalidField(absl::StrCat("part ", part.name), absl::StrCat("no item ", part.item));
     }
     MORTISE_RETURN_IF_ERROR(CheckNumbers(part));
-    planned.push_back(PlanPart(part, item->second));
+    planned.push_back(PlanPart(part, item->second, rules));
     MORTISE_RETURN_IF_ERROR(CheckSize(part, item->second, planned.back().making));
   }
   return planned;

@@ -13,14 +13,16 @@ namespace mortise::fabplanner {
 inline constexpr double kSizeTolerance = 5e-5;
 
 // Returns one entry a part, in order:
-// - what its item's process cuts is crosscut or cut to outline. If it is not what such a cut gives
-//   (a turned leg, a slotted panel) the cut gives its blank, and what is left is handwork after a
-//   drawing;
+// - what its item's process cuts is crosscut or cut to outline. Ends of lumber are cut square,
+//   mitred and bevelled as far as the rules say that the chop saw can. If the part is not what such
+//   cuts give (a turned leg, a slotted panel, an end past the saw's angles) they give its blank,
+//   and what is left is handwork after a drawing; where a rule is at fault it says so;
 // - what is of an item that nothing resizes is bought;
 // - what is of no item is made to a drawing.
 // INVALID_ARGUMENT naming parts without usable numbers, or of unknown items; FAILED_PRECONDITION,
 // reason PART_NOT_IN_STOCK, naming part, item and sizes, where the item is not sold in the part's
 // section or thickness, or cannot be cut that short.
-absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items);
+absl::StatusOr<std::vector<PlannedPart>> PlanParts(const Design& design, const Items& items,
+                                                   const WorkshopRules& rules = {});
 
 }  // namespace mortise::fabplanner

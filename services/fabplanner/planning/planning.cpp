@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
 #include "services/fabplanner/cutting/stock_cutting.h"
@@ -23,7 +24,8 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr double kMaxRule = 1.0;  // m
+constexpr double kMaxRule = 1.0;   // m
+constexpr double kMaxAngle = 1.5;  // rad; saws end far below, and tangents stay small
 
 // The lines of what is made to drawing: alike parts are one.
 void AddLinesToDrawing(const Design& design, FabricationPlan* plan) {
@@ -63,6 +65,16 @@ void AddHandwork(FabricationPlan* plan) {
       plan->handwork.push_back(absl::StrCat(part.part, ": ", part.handwork));
     }
   }
+  std::vector<std::string> sloped;
+  for (const BoardLayout& board : plan->boards) {
+    if (HasSlopedEnds(board)) sloped.push_back(board.label);
+  }
+  if (!sloped.empty()) {
+    plan->handwork.push_back(absl::StrCat(
+        "crosscut ", absl::StrJoin(sloped, ", "),
+        " at a saw that turns and tilts: the machines of work orders cut square; boards.svg and "
+        "cut-list.csv have the angles"));
+  }
   std::map<HoleKind, int> holes;
   for (const Hole& hole : plan->holes) ++holes[hole.kind];
   const auto drill = [&](HoleKind kind, const char* what) {
@@ -99,6 +111,13 @@ absl::Status CheckRules(const WorkshopRules& rules) {
     violations.push_back(
         {"rules.sheet_spacing", "must be at least the kerf, or neighbouring cuts meet"});
   }
+  check("rules.jigsaw_radius", rules.jigsaw_radius);
+  const auto check_angle = [&](const char* field, double value) {
+    const bool usable = std::isfinite(value) && value >= 0 && value <= kMaxAngle;
+    if (!usable) violations.push_back({field, "must be an angle of 0 to 1.5 rad"});
+  };
+  check_angle("rules.mitre_limit", rules.mitre_limit);
+  check_angle("rules.bevel_limit", rules.bevel_limit);
   return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
 }
 
@@ -113,7 +132,7 @@ absl::StatusOr<FabricationPlan> MakePlan(const Design& design, const Items& item
   FabricationPlan plan;
   plan.quantity = quantity;
   plan.rules = rules;
-  MORTISE_ASSIGN_OR_RETURN(plan.parts, PlanParts(design, items));
+  MORTISE_ASSIGN_OR_RETURN(plan.parts, PlanParts(design, items, rules));
   NameDrawings(design, &plan);
   std::vector<Purchase> purchases;
   for (std::size_t i = 0; i < design.parts.size(); ++i) {

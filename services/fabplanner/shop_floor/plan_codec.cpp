@@ -39,6 +39,27 @@ void SetRules(const WorkshopRules& rules, v1::WorkshopRules* message) {
   message->set_board_trim(rules.board_trim);
   message->set_sheet_trim(rules.sheet_trim);
   message->set_sheet_spacing(rules.sheet_spacing);
+  message->set_mitre_limit(rules.mitre_limit);
+  message->set_bevel_limit(rules.bevel_limit);
+  message->set_compound_cuts(rules.compound_cuts);
+  message->set_jigsaw_radius(rules.jigsaw_radius);
+}
+
+// Writes the ends that are not square.
+template <class Message>
+void SetEnds(const CutEnds& ends, Message* message) {
+  const auto set = [](const EndSlope& end, v1::EndCut* cut) {
+    cut->set_mitre(MitreOf(end));
+    cut->set_bevel(BevelOf(end));
+  };
+  if (!IsSquare(ends.front)) set(ends.front, message->mutable_front_cut());
+  if (!IsSquare(ends.rear)) set(ends.rear, message->mutable_rear_cut());
+}
+
+template <class Message>
+CutEnds EndsFrom(const Message& message) {
+  return {SlopeOf(message.front_cut().mitre(), message.front_cut().bevel()),
+          SlopeOf(message.rear_cut().mitre(), message.rear_cut().bevel())};
 }
 
 void AddBoard(const BoardLayout& board, v1::Plan* plan) {
@@ -56,6 +77,7 @@ void AddBoard(const BoardLayout& board, v1::Plan* plan) {
     part->set_part(segment.part);
     part->set_start(segment.start);
     part->set_length(segment.length);
+    SetEnds(segment.ends, part);
   }
 }
 
@@ -108,6 +130,21 @@ void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
   message->set_connecting(part.connecting);
   message->set_handwork(planned.handwork);
   for (const std::string& drawing : planned.drawings) message->add_drawings(drawing);
+  SetEnds(planned.ends, message);
+  for (const MachineLimit& limit : planned.beyond_machines) {
+    v1::MachineLimit* told = message->add_beyond_machines();
+    // The two enums name the same rules in the same order, after an unspecified one.
+    told->set_kind(static_cast<v1::MachineLimit::Kind>(static_cast<int>(limit.kind) + 1));
+    told->set_place(limit.place);
+    told->set_value(limit.value);
+    told->set_limit(limit.limit);
+    told->set_message(limit.reason);
+    for (const auto& [name, value] : limit.nearest_parameters) {
+      v1::ParameterValue* nearest = told->add_nearest_parameters();
+      nearest->set_name(name);
+      nearest->set_value(value);
+    }
+  }
 }
 
 void AddHole(const Hole& hole, v1::Plan* plan) {
@@ -148,6 +185,10 @@ WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
   if (message.has_board_trim()) rules.board_trim = message.board_trim();
   if (message.has_sheet_trim()) rules.sheet_trim = message.sheet_trim();
   if (message.has_sheet_spacing()) rules.sheet_spacing = message.sheet_spacing();
+  if (message.has_mitre_limit()) rules.mitre_limit = message.mitre_limit();
+  if (message.has_bevel_limit()) rules.bevel_limit = message.bevel_limit();
+  if (message.has_compound_cuts()) rules.compound_cuts = message.compound_cuts();
+  if (message.has_jigsaw_radius()) rules.jigsaw_radius = message.jigsaw_radius();
   return rules;
 }
 
@@ -183,8 +224,7 @@ v1::Plan ToProto(const FabricationPlan& plan, const Design& design) {
 FabricationPlan CuttingPlanFrom(const v1::Plan& message) {
   FabricationPlan plan;
   plan.quantity = message.quantity();
-  plan.rules = {message.rules().kerf(), message.rules().board_trim(), message.rules().sheet_trim(),
-                message.rules().sheet_spacing()};
+  plan.rules = RulesFrom(message.rules());
   for (const v1::BoardLayout& board : message.boards()) {
     BoardLayout& layout = plan.boards.emplace_back();
     layout.label = board.label();
@@ -196,7 +236,8 @@ FabricationPlan CuttingPlanFrom(const v1::Plan& message) {
     layout.plank = board.plank();
     layout.plank_position = board.plank_position();
     for (const v1::BoardLayout::Segment& segment : board.segments()) {
-      layout.segments.push_back({segment.part(), segment.start(), segment.length()});
+      layout.segments.push_back(
+          {segment.part(), segment.start(), segment.length(), EndsFrom(segment)});
     }
   }
   for (const v1::SheetLayout& sheet : message.sheets()) {

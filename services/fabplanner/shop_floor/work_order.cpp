@@ -46,6 +46,7 @@ bool IsFinal(OrderState state) {
 std::vector<Cut> CutsFor(const FabricationPlan& plan) {
   std::vector<Cut> cuts;
   for (const BoardLayout& board : plan.boards) {
+    if (HasSlopedEnds(board)) continue;
     const double trim = plan.rules.board_trim - plan.rules.kerf;
     if (trim > 0) {
       Cut& cut = cuts.emplace_back();

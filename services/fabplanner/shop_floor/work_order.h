@@ -80,7 +80,7 @@ struct CutReport {
 
 // Returns the cuts of a plan in cutting order, board by board and sheet by sheet. A board with a
 // trim begins with a cut of its own, labelled "<board>.trim", whose blade takes the last of the
-// trim.
+// trim. Machines cut square: boards with ends that are not are left to people.
 std::vector<Cut> CutsFor(const FabricationPlan& plan);
 
 class WorkOrder {

@@ -59,7 +59,8 @@ absl::StatusOr<operations::Operation> ReleaseOrder(const rpc::Call& call,
   const std::vector<Cut> cuts = CutsFor(CuttingPlanFrom(plan));
   if (cuts.empty()) {
     return PreconditionFailed("NOTHING_TO_CUT",
-                              absl::StrCat(request.plan(), " has no parts to cut"), request.plan());
+                              absl::StrCat(request.plan(), " has no parts that machines cut"),
+                              request.plan());
   }
   v1::WorkOrder order;
   order.set_name(absl::StrCat("workOrders/", NewIdentifier()));

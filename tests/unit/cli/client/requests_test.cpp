@@ -65,7 +65,7 @@ TEST(Requests, LengthsAreDecimal) {
               absl::StrCat("--set a: '", text, "' is no decimal number, such as 12.5"));
   }
   EXPECT_EQ(ParseQuantity("3 yd", "--set a").status().message(),
-            "--set a: 'yd' is not a unit known here: m, cm, mm");
+            "--set a: 'yd' is not a unit known here: m, cm, mm, deg");
   EXPECT_FALSE(ParseMetricValue("0x10 kg", "--at").ok());
   EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
 }

@@ -80,6 +80,32 @@ TEST(LayoutSvgTest, BoardsCutAlikeAreDrawnOnce) {
   EXPECT_LT(Count(svg, "class=\"part\""), 8 * 12);
 }
 
+TEST(LayoutSvgTest, EndsAreDrawnAsTheyRunAndMarkedWithTheirAngles) {
+  const EndSlope mitre = SlopeOf(M_PI / 4, 0), bevel = SlopeOf(0, M_PI / 6);
+  FabricationPlan plan;
+  BoardLayout& board = plan.boards.emplace_back();
+  board = {"board-1", "items/apron-20", 0.09, 0.02, 1.2, {}, 0.1};
+  // A cut at 45° frees "top" and makes the front of "side"; its rear and "lid" are cut apart.
+  board.segments = {{"top", 0.01, 0.4, {{0, 0}, mitre}},
+                    {"side", 0.3242, 0.3, {mitre, {0, 0}}},
+                    {"lid", 0.6272, 0.2, {bevel, {0, 0}}}};
+  const std::string svg = BoardsSvg(plan);
+  Keep("boards-sloped.svg", svg);
+  ExpectWellFormed(svg);
+  // On the lower edge the cut lies 90 mm in front of the point of "top".
+  EXPECT_THAT(svg, HasSubstr(">320 ∠ 45°<"));
+  EXPECT_EQ(Count(svg, "∠ 45°"), 1);
+  EXPECT_THAT(svg, HasSubstr("∠ bevel 30°<"));
+  EXPECT_EQ(Count(svg, "class=\"hidden\""), 1);
+  EXPECT_THAT(svg, HasSubstr(">400<"));
+
+  Design design = ExampleTable();
+  plan = PlanOf(1);
+  plan.parts[0].ends = {mitre, bevel};
+  EXPECT_THAT(AssemblyGuideHtml(plan, design, ExampleItems(), "Table", {}),
+              HasSubstr("ends 45° and bevel 30°"));
+}
+
 TEST(LayoutSvgTest, SheetsShowOutlinesWithSizeAndPlace) {
   FabricationPlan plan = PlanOf(1);
   plan.sheets[0].placements.push_back(

@@ -45,13 +45,26 @@ TEST(PlanCsvTest, CutListNamesEveryPartWithItsPlace) {
   ASSERT_TRUE(plan.ok()) << plan.status();
   const auto rows = Parse(CutListCsv(*plan));
   ASSERT_EQ(rows.size(), 1 + 9);
-  for (const auto& row : rows) EXPECT_EQ(row.size(), 9);
+  for (const auto& row : rows) EXPECT_EQ(row.size(), 13);
   EXPECT_EQ(rows[1][0], "board-1");
   EXPECT_EQ(rows[1][2], "crosscut");
   EXPECT_EQ(rows[1][4], "10");    // behind the trim
   EXPECT_EQ(rows[1][6], "1110");  // the longest apron
   EXPECT_EQ(rows[9][2], "outline");
   EXPECT_EQ(rows[9][6], "1300");
+}
+
+TEST(PlanCsvTest, CutListHasTheAnglesOfEnds) {
+  FabricationPlan plan;
+  plan.boards = {{"board-1", "items/apron-20", 0.09, 0.02, 1.2, {}, 0.1}};
+  plan.boards[0].segments = {
+      {"crown", 0.01, 0.4, {SlopeOf(-M_PI / 8, 0), SlopeOf(M_PI / 4, -M_PI / 6)}}};
+  const auto rows = Parse(CutListCsv(plan));
+  ASSERT_EQ(rows.size(), 2);
+  EXPECT_EQ(rows[0][9], "front_mitre_deg");
+  EXPECT_EQ(rows[0][12], "rear_bevel_deg");
+  EXPECT_EQ(std::vector<std::string>(rows[1].begin() + 9, rows[1].end()),
+            (std::vector<std::string>{"-22.5", "0", "45", "-30"}));
 }
 
 TEST(PlanCsvTest, BillQuotesWhatNeedsQuotes) {

@@ -11,6 +11,7 @@
 #include "services/fabplanner/documents/part_drawing.h"
 #include "services/fabplanner/documents/part_mesh.h"
 #include "tests/unit/services/fabplanner/example_table.h"
+#include "tests/unit/services/fabplanner/sloped_part.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -66,6 +67,87 @@ TEST(PartMakingTest, WhatACrosscutDoesNotGiveIsShapedFromItsBlank) {
   Items items = ExampleItems();
   items["items/leg-45"].shaped = true;  // a profile looks like that anyway
   EXPECT_FALSE(PlanOf(Faceted(TaperedLeg()), items).to_shape);
+}
+
+constexpr double kDegree = M_PI / 180;
+
+PlannedPart PlanBy(const WorkshopRules& rules, const Part& part) {
+  Design design;
+  design.parts = {part};
+  const auto planned = PlanParts(design, ExampleItems(), rules);
+  EXPECT_TRUE(planned.ok()) << planned.status();
+  return planned.ok() ? planned->front() : PlannedPart{};
+}
+
+// A rail of 20 × 90 mm that lies along x, its thickness along y.
+Part Rail(const EndSlope& front, const EndSlope& rear) {
+  return SlopedLumber("rail", "items/apron-20", {0.6, 0.09, 0.02}, {front, rear}, 0, 1);
+}
+
+TEST(PartMakingTest, MitresAndBevelsAreSawnUpToTheRules) {
+  const EndSlope mitre = SlopeOf(50 * kDegree, 0), bevel = SlopeOf(0, -45 * kDegree),
+                 compound = SlopeOf(-31.6 * kDegree, 33.9 * kDegree);
+  for (const EndSlope& end : {mitre, bevel, compound}) {
+    const PlannedPart planned = PlanOf(Rail(end, {}));
+    EXPECT_EQ(planned.making, Making::kCrosscut);
+    EXPECT_FALSE(planned.to_shape);
+    EXPECT_EQ(planned.handwork, "");
+    EXPECT_NEAR(planned.ends.front.across, end.across, 1e-9);
+    EXPECT_NEAR(planned.ends.front.through, end.through, 1e-9);
+    EXPECT_TRUE(IsSquare(planned.ends.rear));
+    EXPECT_TRUE(planned.size.isApprox(Eigen::Vector3d(0.6, 0.09, 0.02)));
+  }
+  // Prisms are taken as triangles are.
+  Part prism = Leg();
+  prism.extrusion_axis = 1;
+  prism.outline = {{0, 0}, {0.7, 0}, {0.655, 0.045}, {0.045, 0.045}};
+  prism.to = 0.045;
+  EXPECT_FALSE(PlanOf(prism).to_shape);
+  EXPECT_NEAR(std::abs(PlanOf(prism).ends.front.across), 1, 1e-9);
+}
+
+TEST(PartMakingTest, WhatTheSawCannotDoIsNamedWithPartEndAndAngle) {
+  const PlannedPart steep = PlanOf(Rail(SlopeOf(30 * kDegree, 0), SlopeOf(-60 * kDegree, 0)));
+  EXPECT_TRUE(steep.to_shape);
+  EXPECT_NEAR(MitreOf(steep.ends.front), 30 * kDegree, 1e-9);  // that end is sawn all the same
+  EXPECT_TRUE(IsSquare(steep.ends.rear));
+  ASSERT_EQ(steep.beyond_machines.size(), 1);
+  const MachineLimit& limit = steep.beyond_machines.front();
+  EXPECT_EQ(limit.kind, MachineLimit::Kind::kMitre);
+  EXPECT_EQ(limit.place, "end towards +x");
+  EXPECT_NEAR(limit.value, 60 * kDegree, 1e-9);
+  EXPECT_EQ(limit.limit, WorkshopRules{}.mitre_limit);
+  EXPECT_THAT(steep.handwork,
+              HasSubstr("its end towards +x is a mitre of 60°, but the chop saw's table turns by "
+                        "50° at most: saw what is left by hand"));
+
+  const PlannedPart tilted = PlanOf(Rail(SlopeOf(0, 46 * kDegree), SlopeOf(0, 46 * kDegree)));
+  ASSERT_EQ(tilted.beyond_machines.size(), 2);
+  EXPECT_EQ(tilted.beyond_machines[0].kind, MachineLimit::Kind::kBevel);
+  EXPECT_EQ(tilted.beyond_machines[0].place, "end towards -x");
+  EXPECT_EQ(tilted.beyond_machines[1].place, "end towards +x");
+
+  const Part crown = Rail(SlopeOf(31.6 * kDegree, 33.9 * kDegree), {});
+  EXPECT_TRUE(PlanOf(crown).beyond_machines.empty());
+  const PlannedPart no_compound = PlanBy({.compound_cuts = false}, crown);
+  ASSERT_EQ(no_compound.beyond_machines.size(), 1);
+  EXPECT_EQ(no_compound.beyond_machines[0].kind, MachineLimit::Kind::kCompound);
+  // A saw that only cuts square makes the blank.
+  EXPECT_TRUE(AreSquare(PlanBy({.mitre_limit = 0, .bevel_limit = 0}, crown).ends));
+  // Larger machines do more.
+  EXPECT_TRUE(PlanBy({.mitre_limit = 60 * kDegree}, Rail(SlopeOf(60 * kDegree, 0), {}))
+                  .beyond_machines.empty());
+}
+
+TEST(PartMakingTest, SquareStockIsTurnedSoThatItsBevelsAreMitres) {
+  const Eigen::Vector3d size(0.7, 0.045, 0.045);
+  const EndSlope bevel = SlopeOf(0, 48 * kDegree);  // too much for the blade, not for the table
+  const PlannedPart planned =
+      PlanOf(SlopedLumber("leg", "items/leg-45", size, {bevel, bevel}, 2, 0));
+  EXPECT_TRUE(planned.beyond_machines.empty());
+  EXPECT_NEAR(MitreOf(planned.ends.front), 48 * kDegree, 1e-9);
+  EXPECT_EQ(planned.ends.front.through, 0);
+  EXPECT_EQ(planned.ends.front, planned.ends.rear);
 }
 
 TEST(PartMakingTest, UprightOutlinesAreCutWhatHasHolesTakesADrawing) {

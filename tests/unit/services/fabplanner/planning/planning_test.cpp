@@ -73,6 +73,10 @@ TEST(PlanningTest, NamesTheRuleOrQuantityAtFault) {
   EXPECT_EQ(field(1, {.board_trim = 0.001}), "rules.board_trim");
   EXPECT_EQ(field(1, {.sheet_trim = std::numeric_limits<double>::infinity()}), "rules.sheet_trim");
   EXPECT_EQ(field(1, {.sheet_spacing = 0.001}), "rules.sheet_spacing");
+  EXPECT_EQ(field(1, {.mitre_limit = -0.1}), "rules.mitre_limit");
+  EXPECT_EQ(field(1, {.mitre_limit = 50}), "rules.mitre_limit");  // degrees
+  EXPECT_EQ(field(1, {.bevel_limit = nan}), "rules.bevel_limit");
+  EXPECT_EQ(field(1, {.jigsaw_radius = 10}), "rules.jigsaw_radius");  // millimetres
 }
 
 TEST(PlanningTest, NamesEveryRuleAtFault) {

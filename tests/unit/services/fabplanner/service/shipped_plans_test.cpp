@@ -20,6 +20,7 @@
 #include "services/fabplanner/service/design_codec.h"
 #include "services/fabplanner/shop_floor/plan_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
+#include "tests/unit/services/fabplanner/board_corners.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -126,12 +127,20 @@ void ExpectEachPartOnce(const Design& design, const FabricationPlan& plan) {
 
 void ExpectBoardsHold(const FabricationPlan& plan) {
   for (const BoardLayout& board : plan.boards) {
-    double end = plan.rules.board_trim - plan.rules.kerf;
+    const Eigen::Vector2d section(board.width, board.thickness);
+    const BoardSegment* before = nullptr;
     for (const BoardSegment& segment : board.segments) {
-      EXPECT_GE(segment.start, end + plan.rules.kerf - 1e-9) << segment.part;
-      end = segment.start + segment.length;
+      const Corners corners = CornersOf(segment.ends, segment.start, segment.length, section);
+      EXPECT_GE(corners.First(), plan.rules.board_trim - kRounding) << segment.part;
+      EXPECT_LE(corners.Last(), board.stock_length - plan.rules.board_trim + kRounding)
+          << segment.part;
+      if (before != nullptr) {
+        EXPECT_TRUE(ArePartedBySaw(CornersOf(before->ends, before->start, before->length, section),
+                                   before->ends, corners, segment.ends, plan.rules.kerf))
+            << segment.part;
+      }
+      before = &segment;
     }
-    EXPECT_LE(end, board.stock_length - plan.rules.board_trim + 1e-9) << board.label;
     EXPECT_GE(board.offcut, 0) << board.label;
   }
 }
@@ -248,7 +257,9 @@ TEST_P(ShippedPlansTest, HasAPlanThatCanBeFollowed) {
     }
     const v1::Plan message = ToProto(*plan, *design);
     EXPECT_EQ(message.parts_size(), static_cast<int>(design->parts.size()));
-    EXPECT_EQ(CutsFor(CuttingPlanFrom(message)).size(), CutsFor(*plan).size());
+    const FabricationPlan read = CuttingPlanFrom(message);
+    EXPECT_EQ(CutsFor(read).size(), CutsFor(*plan).size());
+    ExpectBoardsHold(read);
     if (first) KeepFiles(GetParam().substr(GetParam().find('/') + 1), *plan, *design, *items);
     first = false;
   }

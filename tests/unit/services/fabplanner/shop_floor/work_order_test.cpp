@@ -52,6 +52,16 @@ std::vector<Cut> SimpleCuts(int boards, int cuts_each) {
 
 CutReport Done(const Cut& cut) { return {cut.machine, cut.sequence, CutOutcome::kDone, "", 4}; }
 
+TEST(WorkOrderTest, BoardsWithSlopedEndsAreLeftToPeople) {
+  FabricationPlan plan = MakePlan(ExampleTable(), ExampleItems(), 1).value();
+  const std::vector<Cut> square = CutsFor(plan);
+  const BoardLayout sloped = plan.boards.front();
+  plan.boards.front().segments.back().ends.rear = SlopeOf(M_PI / 4, 0);
+  const std::vector<Cut> cuts = CutsFor(plan);
+  EXPECT_EQ(cuts.size(), square.size() - 1 - sloped.segments.size());  // with its trim
+  for (const Cut& cut : cuts) EXPECT_NE(cut.stock, sloped.label);
+}
+
 TEST(WorkOrderTest, CutsOfAPlanFollowTheBoards) {
   const std::vector<Cut> cuts = TableCuts();
   ASSERT_EQ(cuts.size(), 4 + 8 + 1);  // trims, crosscuts, the top
