@@ -10,6 +10,7 @@
 #include "common/base/errors.h"
 #include "services/fabplanner/plan/dimension_text.h"
 #include "services/fabplanner/plan/end_cuts.h"
+#include "services/fabplanner/planning/outline_limits.h"
 #include "services/fabplanner/planning/saw_limits.h"
 
 namespace mortise::fabplanner {
@@ -104,16 +105,23 @@ void PlanCrosscut(const Part& part, const Item& item, const WorkshopRules& rules
   }
 }
 
-void PlanOutline(const Part& part, PlannedPart* planned) {
+void PlanOutline(const Part& part, const WorkshopRules& rules, PlannedPart* planned) {
   planned->making = Making::kOutline;
   planned->to_shape = !IsUpright(part);
-  if (planned->to_shape) planned->handwork = ShapedFromBlank(part);
+  if (planned->to_shape) {
+    planned->handwork = ShapedFromBlank(part);
+    return;
+  }
+  if (IsBox(part)) return;
+  planned->beyond_machines = OutlineLimits(SheetOutlineOf(part), rules.jigsaw_radius);
+  if (planned->beyond_machines.empty()) return;
+  planned->handwork = ByHand(planned->beyond_machines, "cut out what is left by hand");
 }
 
 PlannedPart PlanPart(const Part& part, const Item& item, const WorkshopRules& rules) {
   PlannedPart planned{part.name, Making::kBought, part.size, "", false, {}};
   if (part.process == CutProcess::kChopSaw) PlanCrosscut(part, item, rules, &planned);
-  if (part.process == CutProcess::kJigsaw) PlanOutline(part, &planned);
+  if (part.process == CutProcess::kJigsaw) PlanOutline(part, rules, &planned);
   return planned;
 }
 

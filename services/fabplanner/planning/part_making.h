@@ -16,7 +16,9 @@ inline constexpr double kSizeTolerance = 5e-5;
 // - what its item's process cuts is crosscut or cut to outline. Ends of lumber are cut square,
 //   mitred and bevelled as far as the rules say that the chop saw can. If the part is not what such
 //   cuts give (a turned leg, a slotted panel, an end past the saw's angles) they give its blank,
-//   and what is left is handwork after a drawing; where a rule is at fault it says so;
+//   and what is left is handwork after a drawing; where a rule is at fault it says so.
+//   Outlines are cut as they are, and inner corners and arcs that are tighter than the jigsaw's
+//   radius are told of;
 // - what is of an item that nothing resizes is bought;
 // - what is of no item is made to a drawing.
 // INVALID_ARGUMENT naming parts without usable numbers, or of unknown items; FAILED_PRECONDITION,

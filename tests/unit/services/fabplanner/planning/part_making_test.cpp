@@ -150,6 +150,62 @@ TEST(PartMakingTest, SquareStockIsTurnedSoThatItsBevelsAreMitres) {
   EXPECT_EQ(planned.ends.front, planned.ends.rear);
 }
 
+// A plate with a notch in its upper edge: its corners are rounded by `radius` in `steps` each.
+Part Notched(double radius, int steps) {
+  Part panel =
+      BoxPart("panel", "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0}, {0.5, 0.4, 0.018}, 0, 2);
+  panel.outline = {{0, 0}, {0.5, 0}, {0.5, 0.4}, {0.3, 0.4}};
+  const auto round = [&](const Eigen::Vector2d& centre, double from) {
+    for (int i = 0; i <= steps; ++i) {
+      const double angle = from - M_PI / 2 * i / std::max(steps, 1);
+      panel.outline.emplace_back(centre +
+                                 radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      if (radius == 0) break;
+    }
+  };
+  round({0.3 - radius, 0.3 + radius}, 0);
+  round({0.2 + radius, 0.3 + radius}, -M_PI / 2);
+  panel.outline.emplace_back(0.2, 0.4);
+  panel.outline.emplace_back(0, 0.4);
+  return panel;
+}
+
+TEST(PartMakingTest, InnerArcsAndCornersKeepTheJigsawsRadius) {
+  for (const int steps : {3, 4, 8, 30}) {
+    SCOPED_TRACE(steps);
+    EXPECT_TRUE(PlanOf(Notched(0.03, steps)).beyond_machines.empty());
+    EXPECT_TRUE(PlanOf(Notched(0.01, steps)).beyond_machines.empty());  // as tight as it goes
+    const PlannedPart tight = PlanOf(Notched(0.006, steps));
+    ASSERT_EQ(tight.beyond_machines.size(), 1);
+    EXPECT_EQ(tight.beyond_machines[0].kind, MachineLimit::Kind::kRadius);
+    EXPECT_NEAR(tight.beyond_machines[0].value, 0.006, 0.0003);
+    EXPECT_THAT(tight.beyond_machines[0].place, HasSubstr("inner arcs at "));
+    EXPECT_FALSE(tight.to_shape);  // the outline shows it
+    EXPECT_TRUE(PlanBy({.jigsaw_radius = 0.006}, Notched(0.006, steps)).beyond_machines.empty());
+    EXPECT_TRUE(PlanOf(Faceted(Notched(0.03, steps))).beyond_machines.empty());
+  }
+  const PlannedPart sharp = PlanOf(Notched(0, 1));
+  ASSERT_EQ(sharp.beyond_machines.size(), 1);
+  EXPECT_EQ(sharp.beyond_machines[0].value, 0);
+  EXPECT_EQ(sharp.beyond_machines[0].place, "inner corners at 300, 300 mm; 200, 300 mm");
+  EXPECT_THAT(sharp.handwork, HasSubstr("leaves a radius of 10 mm: cut out what is left by hand"));
+  // A saw that turns on the spot makes them.
+  EXPECT_TRUE(PlanBy({.jigsaw_radius = 0}, Notched(0, 1)).beyond_machines.empty());
+}
+
+TEST(PartMakingTest, SlotsAndFlatBendsAreTold) {
+  Part panel =
+      BoxPart("panel", "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0}, {0.5, 0.4, 0.018}, 0, 2);
+  // A slot of 18 mm, in which a saw of 10 mm radius does not turn.
+  panel.outline = {{0, 0},       {0.5, 0},     {0.5, 0.4},   {0.259, 0.4},
+                   {0.259, 0.2}, {0.241, 0.2}, {0.241, 0.4}, {0, 0.4}};
+  ASSERT_EQ(PlanOf(panel).beyond_machines.size(), 1);
+  EXPECT_THAT(PlanOf(panel).beyond_machines[0].place, HasSubstr("inner corners"));
+  // A bend by 15 degrees leaves a tenth of a millimetre.
+  panel.outline = {{0, 0}, {0.5, 0}, {0.5, 0.467}, {0.25, 0.4}, {0, 0.467}};
+  EXPECT_TRUE(PlanOf(panel).beyond_machines.empty());
+}
+
 TEST(PartMakingTest, UprightOutlinesAreCutWhatHasHolesTakesADrawing) {
   Part panel = BoxPart("panel", "items/plywood-18", CutProcess::kJigsaw, {0, 0, 0.1},
                        {0.5, 0.4, 0.118}, 0, 2);
