@@ -3,8 +3,12 @@
 #include <google/protobuf/util/time_util.h>
 #include <grpcpp/channel.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -21,6 +25,8 @@
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "services/fabplanner/documents/part_drawing.h"
 #include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/planning/nearest_parameters.h"
+#include "services/fabplanner/planning/part_making.h"
 #include "services/fabplanner/planning/planning.h"
 #include "services/fabplanner/service/design_codec.h"
 #include "services/fabplanner/shop_floor/order_records.h"
@@ -99,6 +105,31 @@ absl::StatusOr<PlannedDesign> PlanDesign(const v1::CreatePlanRequest& request,
       planned.plan, MakePlan(planned.design, planned.items, quantity, RulesFrom(request.rules()),
                              context.stop_token()));
   return planned;
+}
+
+bool HasLimits(const FabricationPlan& plan) {
+  return std::any_of(plan.parts.begin(), plan.parts.end(),
+                     [](const PlannedPart& part) { return !part.beyond_machines.empty(); });
+}
+
+// The template's parameters with the values that the design has.
+std::vector<DesignParameter> ParametersOf(const v1::Template& origin,
+                                          const v1::EvaluatedDesign& design) {
+  std::map<std::string, double> values;
+  for (const v1::ParameterValue& value : design.parameters()) values[value.name()] = value.value();
+  std::vector<DesignParameter> parameters;
+  for (const v1::Parameter& parameter : origin.parameters()) {
+    const auto value = values.find(parameter.name());
+    if (value == values.end()) continue;
+    parameters.push_back({parameter.name(),
+                          parameter.unit(),
+                          parameter.minimum(),
+                          parameter.maximum(),
+                          parameter.step(),
+                          value->second,
+                          {parameter.choices().begin(), parameter.choices().end()}});
+  }
+  return parameters;
 }
 
 struct DrawnFiles {
@@ -223,6 +254,47 @@ absl::StatusOr<std::string> PlanOperation::Export(const v1::ExportDesignRequest&
   return bytes;
 }
 
+absl::Status PlanOperation::FindNearestParameters(const Inputs& inputs, const Items& items,
+                                                  FabricationPlan* plan,
+                                                  operations::OperationContext& context) const {
+  if (!HasLimits(*plan)) return absl::OkStatus();
+  context.ReportProgress({.total = 0, .message = "looking for parameters that machines can make"});
+  MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
+  const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
+  const rpc::Origin origin =
+      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout);
+  rpc::RetryOptions retry;
+  retry.stop = context.stop_token();
+  const std::vector<DesignParameter> parameters =
+      ParametersOf(inputs.bundle.template_(), inputs.design);
+  const auto parts_at = [&](std::size_t index,
+                            double value) -> std::optional<std::vector<PlannedPart>> {
+    if (context.Cancelled()) return std::nullopt;
+    v1::EvaluateTemplateRequest request;
+    request.set_name(inputs.design.template_());
+    request.set_revision(inputs.design.template_revision());
+    *request.mutable_parameters() = inputs.design.parameters();
+    for (v1::ParameterValue& parameter : *request.mutable_parameters()) {
+      if (parameter.name() != parameters[index].name) continue;
+      parameter.set_value(value);
+      if (const auto& choices = parameters[index].choices; !choices.empty()) {
+        parameter.set_choice(choices[static_cast<std::size_t>(std::llround(value))]);
+      }
+    }
+    request.set_without_faults(true);
+    const absl::StatusOr<v1::EvaluatedDesign> evaluated = rpc::CallUnary(
+        *catalog, &v1::CatalogService::Stub::EvaluateTemplate, request, origin, retry);
+    if (!evaluated.ok()) return std::nullopt;
+    const absl::StatusOr<Design> design = DesignFrom(*evaluated);
+    if (!design.ok()) return std::nullopt;
+    absl::StatusOr<std::vector<PlannedPart>> parts = PlanParts(*design, items, plan->rules);
+    if (!parts.ok()) return std::nullopt;
+    return *std::move(parts);
+  };
+  AddNearestParameters(parameters, parts_at, plan);
+  return context.Cancelled() ? absl::CancelledError("the plan was cancelled") : absl::OkStatus();
+}
+
 absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,
                                                      operations::OperationContext& context) const {
   v1::ExportDesignRequest request;
@@ -279,6 +351,7 @@ absl::StatusOr<std::string> PlanOperation::Run(operations::OperationContext& con
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
   MORTISE_ASSIGN_OR_RETURN(PlannedDesign planned,
                            PlanDesign(request, inputs.design, inputs.bundle, context));
+  MORTISE_RETURN_IF_ERROR(FindNearestParameters(inputs, planned.items, &planned.plan, context));
   MORTISE_ASSIGN_OR_RETURN(std::string step, AttachStep(inputs.design, &planned.plan, context));
   MORTISE_ASSIGN_OR_RETURN(DrawnFiles drawn,
                            DrawFiles(planned, inputs.bundle.template_(), context));

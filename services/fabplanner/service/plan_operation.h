@@ -56,6 +56,11 @@ class PlanOperation {
                                      operations::OperationContext& context) const;
   absl::StatusOr<Inputs> FetchInputs(const v1::CreatePlanRequest& request,
                                      operations::OperationContext& context) const;
+  // Looks for the parameters nearest to the design's by which machines make what they cannot make
+  // of it; the catalog evaluates other designs for that. Does nothing where they make all.
+  absl::Status FindNearestParameters(const Inputs& inputs, const Items& items,
+                                     FabricationPlan* plan,
+                                     operations::OperationContext& context) const;
   // Returns the design as a STEP file; empty for what has no exact surfaces, such as a mesh in a
   // cage.
   absl::StatusOr<std::string> FetchStep(const v1::EvaluatedDesign& design,

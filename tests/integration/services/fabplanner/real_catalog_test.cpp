@@ -3,10 +3,12 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <set>
+#include <string>
 
 #include "common/base/files.h"
 #include "mortise/v1/assembly.grpc.pb.h"
@@ -20,6 +22,7 @@ namespace mortise::fabplanner {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 
 class RealCatalogTest : public ::testing::Test {
  protected:
@@ -31,8 +34,12 @@ class RealCatalogTest : public ::testing::Test {
 
   v1::Plan PlanOf(const std::string& name) {
     v1::CreatePlanRequest request;
-    request.set_request_id("plan-" + name.substr(name.find('/') + 1));
     request.set_template_(name);
+    return PlanOf(request);
+  }
+
+  v1::Plan PlanOf(v1::CreatePlanRequest request) {
+    request.set_request_id("plan-" + std::to_string(++plans_));
     v1::Operation operation;
     auto context = Context();
     grpc::Status status = v1::FabPlannerService::NewStub(planner_.channel())
@@ -78,6 +85,7 @@ class RealCatalogTest : public ::testing::Test {
   testing::FilledCatalog catalog_;
   testing::ServiceUnderTest planner_{"mortise-fabplanner",
                                      {"--peer=catalog=" + catalog_.address()}};
+  int plans_ = 0;
 };
 
 TEST_F(RealCatalogTest, AnAssemblyWithADrawer) {
@@ -88,6 +96,63 @@ TEST_F(RealCatalogTest, AnAssemblyWithADrawer) {
   EXPECT_THAT(built, Contains("drawer"));
   EXPECT_GT(plan.holes_size(), 20);
   EXPECT_GT(plan.total().amount(), 0);
+}
+
+TEST_F(RealCatalogTest, AnEndThatNoSawCutsTellsTheNearestParameter) {
+  v1::ImportTemplateRequest import;
+  import.set_request_id("template-brace");
+  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(
+      R"pb(name: "templates/brace"
+           title: "Brace"
+           parameters {
+             name: "lean"
+             title: "Lean"
+             unit: "rad"
+             minimum: 0.1
+             maximum: 1.2
+             default_value: 1
+             step: 0.001
+           }
+           parts {
+             name: "brace"
+             title: "Brace"
+             item: "items/spruce-planed-2400"
+             length_axis: X
+             thickness_axis: Z
+             prism {
+               axis: Z
+               outline { u: "0" v: "0" }
+               outline { u: "0.6" v: "0" }
+               outline { u: "0.6 + 0.06 * tan(lean)" v: "0.06" }
+               outline { u: "0.06 * tan(lean)" v: "0.06" }
+               extent { from: "0" to: "0.03" }
+             }
+           })pb",
+      import.mutable_template_()));
+  v1::Template made;
+  const auto context = Context();
+  const grpc::Status status =
+      v1::CatalogService::NewStub(catalog_.channel())->ImportTemplate(context.get(), import, &made);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+
+  const v1::Plan plan = PlanOf("templates/brace");
+  ASSERT_EQ(plan.parts_size(), 1);
+  ASSERT_EQ(plan.parts(0).beyond_machines_size(), 2);
+  for (const v1::MachineLimit& limit : plan.parts(0).beyond_machines()) {
+    EXPECT_NEAR(limit.value(), 1, 1e-9);
+    ASSERT_EQ(limit.nearest_parameters_size(), 1);
+    EXPECT_EQ(limit.nearest_parameters(0).name(), "lean");
+    EXPECT_NEAR(limit.nearest_parameters(0).value(), 0.872, 1e-9);
+    EXPECT_THAT(limit.message(), HasSubstr("lean = 0.872 rad (50°)"));
+  }
+  EXPECT_THAT(plan.handwork(), Contains(HasSubstr("is made by machine with lean = 0.872 rad")));
+
+  v1::CreatePlanRequest request;
+  request.set_template_("templates/brace");
+  v1::ParameterValue* lean = request.add_parameters();
+  lean->set_name("lean");
+  lean->set_value(0.872);
+  EXPECT_EQ(PlanOf(request).parts(0).beyond_machines_size(), 0);
 }
 
 TEST_F(RealCatalogTest, AnAssemblyDrawnInCad) {
