@@ -1,21 +1,17 @@
 #include "services/composer/service/drag_stream.h"
 
-#include <mutex>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/base/errors.h"
 #include "common/rpc/mutation_log.h"
+#include "common/rpc/streams/latest_value_stream.h"
 #include "services/composer/records/model_records.h"
 #include "services/composer/service/drag_methods.h"
 #include "services/composer/service/part_changes.h"
 
 namespace mortise::composer {
 namespace {
-
-using Writer = std::shared_ptr<rpc::StreamWriter<v1::DragNodeResponse>>;
-using Answer = absl::StatusOr<std::optional<v1::DragNodeResponse>>;
 
 // Makes the step that DragControl makes, with an audit record and the answer under its request_id.
 absl::StatusOr<v1::Model> Store(const Composer& composer, const rpc::Call& call,
@@ -40,64 +36,44 @@ absl::StatusOr<v1::Model> Store(const Composer& composer, const rpc::Call& call,
   return model;
 }
 
-// One drag, shared by who takes messages and who answers them.
-class DragInProgress {
+// A drag of one control.
+class DragInProgress : public rpc::FollowedSubject<v1::DragNodeRequest, v1::DragNodeResponse> {
  public:
+  using Answers = absl::StatusOr<std::vector<v1::DragNodeResponse>>;
+
   DragInProgress(const Composer& composer, rpc::Call call)
       : composer_(composer), call_(std::move(call)) {}
 
-  absl::Status Begin(const v1::DragNodeRequest::Begin& begin) {
-    MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<OpenDrag> drag,
-                             FindDrag(composer_, call_, begin.name(), begin.revision(),
-                                      {begin.component(), begin.node(), begin.control()}));
-    const std::lock_guard lock(mutex_);
-    begin_ = begin;
-    drag_ = drag;
-    told_ = drag->stored();
-    v1::DragNodeResponse& begun = first_.emplace();
-    begun.mutable_begun()->set_revision(begin.revision());
-    begun.mutable_begun()->set_value(drag->value());
-    return absl::OkStatus();
+  Answers Begin(const v1::DragNodeRequest& message) override {
+    begin_ = message.begin();
+    MORTISE_ASSIGN_OR_RETURN(drag_,
+                             FindDrag(composer_, call_, begin_.name(), begin_.revision(),
+                                      {begin_.component(), begin_.node(), begin_.control()}));
+    told_ = drag_->stored();
+    v1::DragNodeResponse begun;
+    begun.mutable_begun()->set_revision(begin_.revision());
+    begun.mutable_begun()->set_value(drag_->value());
+    return One(std::move(begun));
   }
 
-  void To(const v1::DragNodeRequest::To& to) {
-    const std::lock_guard lock(mutex_);
-    waiting_ = to;
+  absl::StatusOr<Kind> Take(const v1::DragNodeRequest& message) override {
+    if (message.has_commit()) return Kind::kLast;
+    if (message.has_to()) return Kind::kValue;
+    return InvalidField("message", "is missing");
   }
 
-  void Commit(const v1::DragNodeRequest::Commit& commit) {
-    const std::lock_guard lock(mutex_);
-    waiting_.reset();
-    commit_ = commit;
-  }
-
-  void End() {
-    const std::lock_guard lock(mutex_);
-    has_ended_ = true;
-  }
-
-  // What is to be sent next; nothing if there is none yet. Called by one at a time. `is_last` says
-  // whether the stream ends here.
-  Answer Next(bool* is_last) {
-    std::unique_lock lock(mutex_);
-    if (first_) return std::exchange(first_, std::nullopt);
-    if (waiting_) {
-      const v1::DragNodeRequest::To to = *std::exchange(waiting_, std::nullopt);
-      lock.unlock();
-      return Moved(to);
-    }
-    if (commit_) {
-      const v1::DragNodeRequest::Commit commit = *std::exchange(commit_, std::nullopt);
-      has_ended_ = true;
-      lock.unlock();
-      return Committed(commit);
-    }
-    *is_last = has_ended_;
-    return std::optional<v1::DragNodeResponse>();
+  Answers Answer(const v1::DragNodeRequest& message) override {
+    return message.has_commit() ? Committed(message.commit()) : Moved(message.to());
   }
 
  private:
-  Answer Moved(const v1::DragNodeRequest::To& to) {
+  static std::vector<v1::DragNodeResponse> One(v1::DragNodeResponse message) {
+    std::vector<v1::DragNodeResponse> messages;
+    messages.push_back(std::move(message));
+    return messages;
+  }
+
+  Answers Moved(const v1::DragNodeRequest::To& to) {
     MORTISE_ASSIGN_OR_RETURN(OpenDrag::Dragged there, drag_->To(to.value()));
     v1::DragNodeResponse response;
     response.mutable_moved()->set_sequence(to.sequence());
@@ -107,10 +83,10 @@ class DragInProgress {
     preview.set_reached(there.reached);
     AddChanges(told_, there.parts, &preview);
     told_ = std::move(there.parts);
-    return std::optional<v1::DragNodeResponse>(std::move(response));
+    return One(std::move(response));
   }
 
-  Answer Committed(const v1::DragNodeRequest::Commit& commit) {
+  Answers Committed(const v1::DragNodeRequest::Commit& commit) {
     v1::DragControlRequest request;
     request.set_request_id(commit.request_id());
     request.set_name(begin_.name());
@@ -121,77 +97,16 @@ class DragInProgress {
     request.set_value(commit.value());
     v1::DragNodeResponse response;
     MORTISE_ASSIGN_OR_RETURN(*response.mutable_committed(), Store(composer_, call_, request));
-    return std::optional<v1::DragNodeResponse>(std::move(response));
+    return One(std::move(response));
   }
 
   const Composer& composer_;
   const rpc::Call call_;
-  std::mutex mutex_;
-  // Set by Begin, before anything is answered.
+  // Set by Begin:
   v1::DragNodeRequest::Begin begin_;
   std::shared_ptr<OpenDrag> drag_;
-  std::vector<v1::ModelPart> told_;  // as the client has them; of who answers
-  // Guarded by mutex_:
-  std::optional<v1::DragNodeResponse> first_;
-  std::optional<v1::DragNodeRequest::To> waiting_;
-  std::optional<v1::DragNodeRequest::Commit> commit_;
-  bool has_ended_ = false;
-};
-
-class DragStream : public rpc::StreamReader<v1::DragNodeRequest> {
- public:
-  DragStream(const Composer& composer, const rpc::Call& call, Writer writer)
-      : drag_(std::make_shared<DragInProgress>(composer, call)), writer_(std::move(writer)) {}
-
-  absl::Status OnMessage(const v1::DragNodeRequest& message) override {
-    if (is_over_) return InvalidField("message", "nothing comes after commit");
-    if (message.has_begin() == has_begun_) {
-      return InvalidField("message",
-                          has_begun_ ? "the drag has begun already" : "the first must be begin");
-    }
-    if (message.has_begin()) {
-      MORTISE_RETURN_IF_ERROR(drag_->Begin(message.begin()));
-      has_begun_ = true;
-      BeginAnswering();
-      return absl::OkStatus();
-    }
-    if (message.has_commit()) {
-      is_over_ = true;
-      drag_->Commit(message.commit());
-    } else if (message.has_to()) {
-      drag_->To(message.to());
-    } else {
-      return InvalidField("message", "is missing");
-    }
-    writer_->Wake();
-    return absl::OkStatus();
-  }
-
-  void OnEnd() override {
-    if (!has_begun_) {
-      writer_->Finish(InvalidField("message", "no begin was sent"));
-      return;
-    }
-    drag_->End();
-    writer_->Wake();
-  }
-
- private:
-  void BeginAnswering() {
-    const std::weak_ptr<rpc::StreamWriter<v1::DragNodeResponse>> weak = writer_;
-    writer_->Pull([drag = drag_, weak]() -> mortise::composer::Answer {
-      bool is_last = false;
-      auto answer = drag->Next(&is_last);
-      const Writer writer = weak.lock();
-      if (is_last && writer != nullptr) writer->Finish(absl::OkStatus());
-      return answer;
-    });
-  }
-
-  const std::shared_ptr<DragInProgress> drag_;
-  const Writer writer_;
-  bool has_begun_ = false;
-  bool is_over_ = false;
+  // Of Answer, after Begin:
+  std::vector<v1::ModelPart> told_;  // as the client has them
 };
 
 }  // namespace
@@ -212,10 +127,11 @@ absl::StatusOr<std::shared_ptr<OpenDrag>> FindDrag(const Composer& composer, con
   });
 }
 
-std::unique_ptr<rpc::StreamReader<v1::DragNodeRequest>> OpenDragStream(const Composer& composer,
-                                                                       const rpc::Call& call,
-                                                                       Writer writer) {
-  return std::make_unique<DragStream>(composer, call, std::move(writer));
+std::unique_ptr<rpc::StreamReader<v1::DragNodeRequest>> OpenDragStream(
+    const Composer& composer, const rpc::Call& call,
+    std::shared_ptr<rpc::StreamWriter<v1::DragNodeResponse>> writer) {
+  return rpc::FollowLatest<v1::DragNodeRequest, v1::DragNodeResponse>(
+      std::make_shared<DragInProgress>(composer, call), std::move(writer));
 }
 
 }  // namespace mortise::composer
