@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/client/command_flags.h"
@@ -26,6 +27,15 @@ struct SuggestOptions {
 
 std::string PriceText(bool is_known, const v1::Money& price) {
   return is_known ? absl::StrFormat("%.2f %s", price.amount(), price.currency()) : "unknown";
+}
+
+// As `compose add --turn` takes them: "z", "zz".
+std::string TurnsText(const google::protobuf::RepeatedField<int>& turns) {
+  std::string text;
+  for (const int axis : turns) {
+    absl::StrAppend(&text, absl::AsciiStrToLower(v1::Axis_Name(static_cast<v1::Axis>(axis))));
+  }
+  return text;
 }
 
 std::string TrialText(v1::ComponentSuggestion::Trial trial) {
@@ -89,12 +99,13 @@ absl::Status Suggest(const SuggestOptions& options, Session& session, Output& ou
   std::vector<std::vector<std::string>> rows;
   for (const v1::ComponentSuggestion& each : found.suggestions()) {
     rows.push_back({absl::StrFormat("%.2f", each.score()), each.template_(), each.group(),
+                    TurnsText(each.turns()),
                     absl::StrFormat("%.4g, %.4g, %.4g", each.position().x(), each.position().y(),
                                     each.position().z()),
                     PriceText(each.has_price(), each.price()), TrialText(each.trial()),
                     WhyText(each)});
   }
-  output.Table({"score", "template", "group", "at", "price", "tried", "why"}, rows);
+  output.Table({"score", "template", "group", "turn", "at", "price", "tried", "why"}, rows);
   if (found.suggestions().empty()) {
     output.Line("nothing in the catalog goes beside such parts, and is missing");
   }

@@ -1,5 +1,7 @@
 #include "services/composer/catalog/collection_connections.h"
 
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +12,24 @@
 #include "services/composer/model/quarter_turn.h"
 
 namespace mortise::composer {
+namespace {
+
+// The kind of each item, by name; the body's own count.
+std::map<std::string, parametric::ItemKind> KindsOf(const Drawing& body,
+                                                    const ConnectionOrigins& origins) {
+  std::map<std::string, parametric::ItemKind> kinds;
+  const auto add = [&](const Drawing& drawing) {
+    for (const v1::Item& item : drawing.bundle.items()) {
+      if (item.kind() == v1::ITEM_KIND_UNSPECIFIED) continue;
+      kinds[item.name()] = static_cast<parametric::ItemKind>(item.kind());
+    }
+  };
+  for (const auto& [name, origin] : origins) add(*origin.drawing);
+  add(body);
+  return kinds;
+}
+
+}  // namespace
 
 std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& origins) {
   std::vector<const CollectionConnection*> connections;
@@ -42,6 +62,10 @@ ConnectOptions ConnectOptionsFor(const Drawing& body, const ConnectionOrigins& o
   options.material_of = [materials = MaterialsOf(body, origins)](const std::string& item) {
     const auto found = materials.find(item);
     return found == materials.end() ? std::string() : found->second;
+  };
+  options.item_kind_of = [kinds = KindsOf(body, origins)](const std::string& item) {
+    const auto found = kinds.find(item);
+    return found == kinds.end() ? std::nullopt : std::optional(found->second);
   };
   return options;
 }

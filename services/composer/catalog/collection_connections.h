@@ -46,7 +46,7 @@ std::map<std::string, std::string> MaterialsOf(const Drawing& body,
                                                const ConnectionOrigins& origins);
 
 // Returns how a component is connected to the body of a model by connections of these assemblies:
-// with the materials of MaterialsOf.
+// with the materials of MaterialsOf, and the kinds of items likewise.
 ConnectOptions ConnectOptionsFor(const Drawing& body, const ConnectionOrigins& origins);
 
 // Thread safe.

@@ -36,8 +36,6 @@ using enum LeftPair::Reason;
 
 constexpr double kMinShared = 1e-6;  // m; parts that share less meet in an edge only
 
-std::string Millimetres(double metres) { return absl::StrCat(1000 * metres, " mm"); }
-
 class Connector {
  public:
   Connector(const Design& body, const Design& component, const std::string& component_id,
@@ -50,7 +48,7 @@ class Connector {
         tolerance_(std::max(body.assembly->tolerance(), component.assembly->tolerance())),
         snapped_(sides_),
         component_id_(component_id),
-        motion_(sides_, component_id, original) {}
+        motion_(sides_, component_id, original, options.item_kind_of) {}
 
   absl::StatusOr<ConnectTrial> Try() {
     MORTISE_RETURN_IF_ERROR(Find().status());
@@ -140,7 +138,7 @@ class Connector {
     for (const PrincipalPart& part : fitted) by_name[part.name] = &part;
     // Those that hold by something come first: what only touches must not keep them out.
     for (const bool with_parts : {true, false}) {
-      for (const CollectionConnection& connection : original_->connections) {
+      for (const CollectionConnection& connection : *original_->connections) {
         std::set<std::string> missing;
         const std::optional<Candidate> candidate = Bind(connection, by_name, missing);
         if (candidate && HasParts(connection) == with_parts) TryOriginal(*candidate);
@@ -159,15 +157,15 @@ class Connector {
   void TryOriginal(const Candidate& candidate) {
     const std::string why = Try(candidate);
     if (why.empty() || candidate.from->connection.connecting.empty()) return;
-    for (const Pair& pair : PairsOf(candidate)) {
+    for (const PartPair& pair : PairsOf(candidate)) {
       if (AreLinked(pair.first, pair.second)) refused_.try_emplace(pair, why);
     }
   }
 
   bool IsRefused(const Candidate& candidate) const {
-    const std::vector<Pair> pairs = PairsOf(candidate);
+    const std::vector<PartPair> pairs = PairsOf(candidate);
     return std::any_of(pairs.begin(), pairs.end(),
-                       [&](const Pair& pair) { return refused_.contains(pair); });
+                       [&](const PartPair& pair) { return refused_.contains(pair); });
   }
 
   // What such a connection is without those for which nothing stands in the model: the slides of a
@@ -199,10 +197,8 @@ class Connector {
         [this](const std::string& a, const std::string& b) { return SameMaterial(a, b); }, missing);
   }
 
-  using Pair = std::pair<int, int>;  // of the body, of the component
-
-  static std::vector<Pair> PairsOf(const Candidate& candidate) {
-    std::vector<Pair> pairs;
+  static std::vector<PartPair> PairsOf(const Candidate& candidate) {
+    std::vector<PartPair> pairs;
     for (const BoundPrincipal& a : candidate.principals) {
       for (const BoundPrincipal& b : candidate.principals) {
         if (!a.of_component && b.of_component) pairs.emplace_back(a.part, b.part);
@@ -212,14 +208,15 @@ class Connector {
   }
 
   bool IsConnected(const Candidate& candidate) const {
-    const std::vector<Pair> pairs = PairsOf(candidate);
+    const std::vector<PartPair> pairs = PairsOf(candidate);
     return std::all_of(pairs.begin(), pairs.end(),
-                       [&](const Pair& pair) { return connected_.contains(pair); });
+                       [&](const PartPair& pair) { return connected_.contains(pair); });
   }
 
   // Uses the connection if it can be used; says why not otherwise.
   std::string Try(const Candidate& candidate) {
     if (IsConnected(candidate)) return "";
+    if (std::string why = motion_.WhyNotHeld(candidate, sides_); !why.empty()) return why;
     absl::StatusOr<OptimizedConnection> placed = Place(candidate, sides_);
     std::optional<Room> room;
     if (!placed.ok()) {
@@ -228,19 +225,17 @@ class Connector {
         return why;
       }
       placed = std::move(room->placed);
-    } else if (!space_) {
-      space_.emplace(sides_);
     }
-    FilledSpace& space = room ? *room->space : *space_;
+    FilledSpace& space = room ? *room->space : Space();
     const BothSides& sides = room ? room->sides : sides_;
     if (std::string clash = space.ClashOf(candidate, *placed, sides); !clash.empty()) return clash;
-    if (motion_.Differs(candidate, *placed)) return "it would let it move in another way";
+    if (std::string why = motion_.WhyNotMoved(candidate, *placed); !why.empty()) return why;
     space.Add(candidate, *placed);
     if (room) {
       sides_ = std::move(room->sides);
       space_ = std::move(room->space);
     }
-    for (const Pair& pair : PairsOf(candidate)) connected_.insert(pair);
+    for (const PartPair& pair : PairsOf(candidate)) connected_.insert(pair);
     used_.push_back({candidate, room ? room->moved_by : 0});
     motion_.Take(candidate, *placed);
     return "";
@@ -257,7 +252,9 @@ class Connector {
   // Makes room for a connection that cannot be placed; says why not, where that cannot be done.
   std::string MakeRoomFor(const Candidate& candidate, const absl::Status& unplaced, Room* room) {
     const std::string why(unplaced.message());
-    absl::StatusOr<FittedSides> moved = FitSides(sides_, UsedCandidates(candidate), options_.hold);
+    if (!spaces_) spaces_.emplace(FitSpacesOf(sides_));
+    absl::StatusOr<FittedSides> moved =
+        FitSides(sides_, *spaces_, UsedCandidates(candidate), options_.hold);
     if (!moved.ok()) return why;
     const FittedSides since = ChangesBetween(snapped_, moved->sides);
     if (since.moved_by > options_.most_moved || since.resized_by > options_.most_resized) {
@@ -267,10 +264,10 @@ class Connector {
     auto placed = Place(candidate, moved->sides);
     if (!placed.ok()) return std::string(placed.status().message());
     const std::vector<Candidate> all = UsedCandidates(candidate);
-    const std::vector<SideOverlap> made =
-        NewOverlaps(OverlapsBetween(sides_, all), OverlapsBetween(moved->sides, all));
-    if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
     FilledSpace space(moved->sides);
+    const std::vector<SideOverlap> made = NewOverlaps(
+        Unwanted(Space().Overlaps(), sides_, all), Unwanted(space.Overlaps(), moved->sides, all));
+    if (!made.empty()) return absl::StrCat("with room for it, ", Describe(made.front()));
     for (const Used& known : used_) {
       const auto its = Place(known.candidate, moved->sides);
       const std::string clash = its.ok() ? space.ClashOf(known.candidate, *its, moved->sides)
@@ -291,6 +288,12 @@ class Connector {
     return placed;
   }
 
+  // What fills space now.
+  FilledSpace& Space() {
+    if (!space_) space_.emplace(sides_);
+    return *space_;
+  }
+
   // The connections that are used, and one more if there is one.
   std::vector<Candidate> UsedCandidates(const std::optional<Candidate>& more = std::nullopt) const {
     std::vector<Candidate> all;
@@ -306,9 +309,10 @@ class Connector {
   // For each linked pair that nothing connects yet, the nearest of the collection.
   void UseOthers() {
     std::vector<LeftPair> left;
-    if (motion_.IsJointed()) {  // what a joint moves is held by that
+    if (motion_.IsLetMove()) {  // what a joint moves is held by that
       for (const auto& [pair, why] : refused_) {
-        if (!connected_.contains(pair)) left.push_back(Left(pair, kOriginal, why));
+        if (connected_.contains(pair) || !MayFasten(pair)) continue;
+        left.push_back(Left(pair, kOriginal, why));
       }
       warnings_ = WarningsOf(left);
       return;
@@ -318,23 +322,29 @@ class Connector {
     if (motion_.wanted().moves) connected_.clear();
     std::vector<const CollectionConnection*> all = others_;
     if (original_ != nullptr) {
-      for (const CollectionConnection& one : original_->connections) all.push_back(&one);
+      for (const CollectionConnection& one : *original_->connections) all.push_back(&one);
     }
     std::optional<ConnectionIndex> index;  // which takes some time, if it is needed
     for (const LinkedPair& linked : PairsToFasten()) {
-      const Pair pair(linked.body, linked.component);
-      if (connected_.contains(pair) || !motion_.frames().MayFasten(pair.first, pair.second))
-        continue;
+      const PartPair pair(linked.body, linked.component);
+      if (connected_.contains(pair) || !MayFasten(pair)) continue;
       // Gaps are bridged for what is not held otherwise, or what moves, as on two slides.
       if (linked.apart > tolerance_ && !used_.empty() && !motion_.wanted().moves) continue;
-      if (!index) index.emplace(all, [this](const std::string& item) { return KindOf(item); });
+      if (!index) {
+        index.emplace(
+            all, [this](const std::string& item) { return KindOf(item); }, options_.item_kind_of);
+      }
       if (std::optional<LeftPair> one = UseNearest(*index, pair)) left.push_back(*std::move(one));
     }
     if (!motion_.wanted().moves) {
       warnings_ = WarningsOf(left);
-    } else if (!motion_.IsJointed() && !left.empty()) {
-      warnings_ = {WarningOfMotion(left, component_id_, VerbOf(motion_.wanted()))};
+    } else if (!motion_.IsLetMove() && !left.empty()) {
+      warnings_ = {WarningOfMotion(left, component_id_, motion_.wanted())};
     }
+  }
+
+  bool MayFasten(const PartPair& pair) const {
+    return motion_.frames().MayFasten(pair.first, pair.second);
   }
 
   // The linked pairs, those that neither side's joints move first. Where any of these touch, what
@@ -354,7 +364,7 @@ class Connector {
 
   // Uses the nearest connection of the collection that can be used for a pair; says what is left
   // otherwise.
-  std::optional<LeftPair> UseNearest(const ConnectionIndex& index, const Pair& pair) {
+  std::optional<LeftPair> UseNearest(ConnectionIndex& index, const PartPair& pair) {
     const PrincipalPart& first = sides_.body_parts[static_cast<std::size_t>(pair.first)];
     const PrincipalPart& second = sides_.component_parts[static_cast<std::size_t>(pair.second)];
     const auto refused = refused_.find(pair);
@@ -372,7 +382,7 @@ class Connector {
     return left ? left : Left(pair, kNoSuch, "");
   }
 
-  std::string TryRanked(const RankedConnection& ranked, const Pair& pair) {
+  std::string TryRanked(const RankedConnection& ranked, const PartPair& pair) {
     const CollectionConnection* from = ranked.connection;
     const std::vector<std::string> names = from->Principals();
     const std::string& first = names[static_cast<std::size_t>(ranked.first)];
@@ -391,7 +401,7 @@ class Connector {
     return Try(candidate);
   }
 
-  LeftPair Left(const Pair& pair, LeftPair::Reason reason, const std::string& why) const {
+  LeftPair Left(const PartPair& pair, LeftPair::Reason reason, const std::string& why) const {
     return {reason, sides_.body_parts[static_cast<std::size_t>(pair.first)].name,
             sides_.component_parts[static_cast<std::size_t>(pair.second)].name, why};
   }
@@ -412,14 +422,15 @@ class Connector {
     std::vector<UsedConnection> placed;
     for (const Used& used : used_) {
       MORTISE_ASSIGN_OR_RETURN(OptimizedConnection made, Place(used.candidate, sides_));
-      placed.push_back({used.candidate, std::move(made), used.moved_by,
-                        motion_.BringsJoint(*used.candidate.from)});
+      placed.push_back(
+          {used.candidate, std::move(made), used.moved_by, motion_.BringsJoint(used.candidate)});
     }
     return placed;
   }
 
-  absl::Status CheckOverlap() const {
-    const std::vector<SideOverlap> overlaps = OverlapsBetween(sides_, UsedCandidates());
+  absl::Status CheckOverlap() {
+    const std::vector<SideOverlap> overlaps =
+        Unwanted(Space().Overlaps(), sides_, UsedCandidates());
     if (overlaps.empty()) return absl::OkStatus();
     return PreconditionFailed("COMPONENT_OVERLAPS", absl::StrCat(Describe(overlaps.front()),
                                                                  ": move it, or make it smaller"));
@@ -439,9 +450,10 @@ class Connector {
   const std::string& component_id_;
   ComponentMotion motion_;
   std::optional<FilledSpace> space_;  // of sides_ and what is used, once it is needed
+  std::optional<FitSpaces> spaces_;   // of sides_, once they are needed
   std::vector<LinkedPair> linked_;
-  std::set<Pair> connected_;
-  std::map<Pair, std::string> refused_;  // why the original's connection of a pair is not used
+  std::set<PartPair> connected_;
+  std::map<PartPair, std::string> refused_;  // why the original's connection of a pair is not used
   std::vector<Used> used_;
   std::vector<ConnectionWarning> warnings_;
   std::map<const CollectionConnection*, parametric::ConnectionOptimizer> optimizers_;

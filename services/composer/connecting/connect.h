@@ -4,12 +4,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/assembly/model/assembly.h"
+#include "services/composer/connecting/guides.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/model/design.h"
 
@@ -37,13 +39,17 @@ struct ConnectOptions {
   // The material of an item, "materials/…"; empty where that is not known. Principals are only
   // exchanged for those of the same material; without it, of the same item.
   std::function<std::string(const std::string& item)> material_of;
+  // Tells hinges and slides, which let move what they hold, from screws. Without it, all that lies
+  // on the axis of a hinge may, and any connecting part along a slide.
+  ItemKindOf item_kind_of = nullptr;
 };
 
 // The design that the component is a sub-tree of.
 struct Original {
-  std::string source;                             // assemblies/{id}
-  Design design;                                  // as drawn
-  std::vector<CollectionConnection> connections;  // ConnectionsOf(source, its assembly)
+  std::string source;  // assemblies/{id}
+  Design design;       // as drawn
+  // ConnectionsOf(source, its assembly); not null.
+  std::shared_ptr<const std::vector<CollectionConnection>> connections;
 };
 
 // Where a part or joint of the merged assembly comes from: it is a copy of `name`, in another box.
@@ -101,8 +107,9 @@ struct ConnectTrial {
 //   the component move as it is to (motions.h): a drawer is not screwed to a shelf, nor a shelf
 //   hinged.
 // - What is to stay is fastened to what stays, if it can be, and never to two parts that move
-// against
-//   each other. What is to move gets one joint; all that holds it lets it move so.
+//   against each other. What is to move gets one joint, of what guides it: a hinge or slide, or all
+//   that it ran between in its original. All that holds it lets it move so. These hold of the
+//   original's connections as of all others.
 // - A connection is used as it is (ConnectionOptimizer), or where the principals do not fit it,
 //   after the smallest change of both designs within their feasible sets, (5.3), up to
 //   `most_moved`.

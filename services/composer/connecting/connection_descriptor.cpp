@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <string_view>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 namespace mortise::composer {
@@ -14,7 +12,6 @@ namespace {
 using parametric::BoundingBox;
 using parametric::Element;
 
-constexpr WantedMotion kMovesAnyhow{true, {}};
 constexpr double kSame = 1e-6;  // m, of descriptors' distances; connections that look alike
 
 std::array<Eigen::Vector4d, 3> PlanesBetween(const BoundingBox& first, const BoundingBox& second) {
@@ -80,41 +77,60 @@ double DistanceOf(const PairDescriptor& a, const PairDescriptor& b, double fixed
 }
 
 ConnectionIndex::ConnectionIndex(const std::vector<const CollectionConnection*>& connections,
-                                 KindOfItem kind_of)
-    : kind_of_(std::move(kind_of)) {
-  std::unordered_map<std::string_view, std::string> kinds;  // by item
-  const auto kind = [&](const std::string& item) -> const std::string& {
-    const auto [found, is_new] = kinds.try_emplace(item);
-    if (is_new) found->second = kind_of_(item);
-    return found->second;
-  };
+                                 KindOfItem kind_of, ItemKindOf item_kind_of)
+    : kind_of_(std::move(kind_of)), item_kind_of_(std::move(item_kind_of)) {
+  std::vector<int> kinds;  // of the principals
   for (const CollectionConnection* candidate : connections) {
     const parametric::ElementConnection& connection = candidate->connection;
     const int principals = connection.principal_count();
     if (connection.connecting.empty()) continue;
     if (principals > 2 && connection.assembly.joints.empty()) continue;
+    kinds.clear();
+    for (int i = 0; i < principals; ++i) {
+      const std::string& item = connection.elements[static_cast<std::size_t>(i)].item;
+      const auto [known, is_new] = by_item_.try_emplace(item);
+      if (is_new) known->second = NumberOf(item);
+      kinds.push_back(known->second);
+    }
     for (int i = 0; i < principals; ++i) {
       for (int j = 0; j < principals; ++j) {
-        if (i == j || (principals > 2 && !Allows(connection, i, j, kMovesAnyhow))) continue;
-        by_kinds_[{kind(connection.elements[static_cast<std::size_t>(i)].item),
-                   kind(connection.elements[static_cast<std::size_t>(j)].item)}]
-            .push_back({candidate, i, j, DescriptorOf(connection, i, j)});
+        if (i == j) continue;
+        by_kinds_[{kinds[static_cast<std::size_t>(i)], kinds[static_cast<std::size_t>(j)]}]
+            .pairs.push_back({candidate, i, j});
       }
     }
   }
 }
 
+int ConnectionIndex::NumberOf(const std::string& item) {
+  return numbers_.try_emplace(kind_of_(item), static_cast<int>(numbers_.size())).first->second;
+}
+
+const std::vector<ConnectionIndex::Entry>& ConnectionIndex::EntriesOf(OfKinds& of) {
+  if (of.is_made) return of.entries;
+  of.is_made = true;
+  for (const Pair& pair : of.pairs) {
+    const parametric::ElementConnection& connection = pair.connection->connection;
+    AllowedMotion motion = AllowedMotionOf(connection, pair.first, pair.second, item_kind_of_);
+    if (connection.principal_count() > 2 && motion.kinds.empty()) continue;
+    of.entries.push_back(
+        {pair, DescriptorOf(connection, pair.first, pair.second), std::move(motion)});
+  }
+  return of.entries;
+}
+
 std::vector<RankedConnection> ConnectionIndex::Nearest(const PrincipalPart& first,
                                                        const PrincipalPart& second,
                                                        const WantedMotion& motion,
-                                                       double fixed_size_weight, int count) const {
-  const auto found = by_kinds_.find({kind_of_(first.item), kind_of_(second.item)});
+                                                       double fixed_size_weight, int count) {
+  const auto found = by_kinds_.find({NumberOf(first.item), NumberOf(second.item)});
   if (found == by_kinds_.end()) return {};
+  const std::vector<Entry>& entries = EntriesOf(found->second);
   const PairDescriptor wanted = DescriptorOf(first, second);
   std::vector<std::pair<double, std::size_t>> ranked;  // by distance, then in order
-  for (std::size_t i = 0; i < found->second.size(); ++i) {
-    const Entry& entry = found->second[i];
-    if (!Allows(entry.connection->connection, entry.first, entry.second, motion)) continue;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Entry& entry = entries[i];
+    if (!Allows(entry.motion, motion)) continue;
     ranked.emplace_back(DistanceOf(wanted, entry.descriptor, fixed_size_weight), i);
   }
   // Few are taken of many: a heap need not be sorted whole.
@@ -124,12 +140,13 @@ std::vector<RankedConnection> ConnectionIndex::Nearest(const PrincipalPart& firs
     std::pop_heap(ranked.begin(), ranked.end(), std::greater<>());
     const auto [distance, place] = ranked.back();
     ranked.pop_back();
-    const Entry& entry = found->second[place];
+    const Entry& entry = entries[place];
     const bool is_known = std::any_of(nearest.begin(), nearest.end(), [&](const auto& known) {
       return std::abs(known.distance - distance) <= kSame &&
-             UseTheSameParts(*known.connection, *entry.connection);
+             UseTheSameParts(*known.connection, *entry.pair.connection);
     });
-    if (!is_known) nearest.push_back({entry.connection, entry.first, entry.second, distance});
+    if (is_known) continue;
+    nearest.push_back({entry.pair.connection, entry.pair.first, entry.pair.second, distance});
   }
   return nearest;
 }

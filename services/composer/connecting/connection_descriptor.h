@@ -6,6 +6,8 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -48,28 +50,47 @@ using KindOfItem = std::function<std::string(const std::string& item)>;
 // The connections of a collection that can be used for pairs: those with two principals and with
 // connecting parts; and of those with more principals each two that a joint of theirs moves against
 // each other. It is made once for all pairs of a component, so that each is only compared
-// with connections of its own materials.
+// with connections of its own materials. Of one thread.
 class ConnectionIndex {
  public:
-  // The connections outlive it. O(connections).
-  ConnectionIndex(const std::vector<const CollectionConnection*>& connections, KindOfItem kind_of);
+  // The connections outlive it. `item_kind_of` tells what guides (guides.h). O(connections).
+  ConnectionIndex(const std::vector<const CollectionConnection*>& connections, KindOfItem kind_of,
+                  ItemKindOf item_kind_of = nullptr);
 
   // Returns up to `count` connections for two parts, nearest first: those whose principals are of
   // their kinds, and that let the second move against the first as wanted. Of connections that look
   // the same the first stands for all. O(connections of these kinds).
   std::vector<RankedConnection> Nearest(const PrincipalPart& first, const PrincipalPart& second,
                                         const WantedMotion& motion, double fixed_size_weight,
-                                        int count) const;
+                                        int count);
 
  private:
-  struct Entry {
+  struct Pair {
     const CollectionConnection* connection = nullptr;
     int first = 0, second = 1;
+  };
+  struct Entry {
+    Pair pair;
     PairDescriptor descriptor;
+    AllowedMotion motion;
+  };
+  // What is between parts of two kinds. Most kinds of a collection are asked for by no component,
+  // so that what is compared is only made of those that are.
+  struct OfKinds {
+    std::vector<Pair> pairs;
+    std::vector<Entry> entries;
+    bool is_made = false;
   };
 
+  // The number of the kind of an item.
+  int NumberOf(const std::string& item);
+  const std::vector<Entry>& EntriesOf(OfKinds& of);
+
   KindOfItem kind_of_;
-  std::map<std::pair<std::string, std::string>, std::vector<Entry>> by_kinds_;
+  ItemKindOf item_kind_of_;
+  std::map<std::string, int> numbers_;                 // of kinds
+  std::unordered_map<std::string_view, int> by_item_;  // of items of the connections
+  std::map<std::pair<int, int>, OfKinds> by_kinds_;
 };
 
 }  // namespace mortise::composer

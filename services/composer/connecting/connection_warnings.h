@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/composer/connecting/connect.h"
+#include "services/composer/connecting/motions.h"
 
 namespace mortise::composer {
 
@@ -18,14 +19,14 @@ struct LeftPair {
   std::string detail;  // what does not fit, for people
 };
 
-// Returns one warning for each reason, in the order of their first pairs: it explains the first
-// one, and names some of the others.
+// Returns one warning for each reason, in the order of their first pairs: it names some of the
+// pairs of that reason, and no others. Reasons are the same that read the same.
 std::vector<ConnectionWarning> WarningsOf(const std::vector<LeftPair>& left);
 
 // Returns the one warning of a component that is to move and that nothing lets move, of which these
-// pairs, at least one, are left: what the first of them has come to. `name` is what it is called,
-// and `verb` what it does, "slide".
+// pairs, at least one, are left: by what it is to move, and what pairs have come to, of each reason
+// the first, of the first two reasons. `name` is what it is called.
 ConnectionWarning WarningOfMotion(const std::vector<LeftPair>& left, const std::string& name,
-                                  const std::string& verb);
+                                  const WantedMotion& motion);
 
 }  // namespace mortise::composer

@@ -22,8 +22,8 @@ std::string ClashBetween(const std::vector<SolidPart>& made, const SolidPart& so
   for (const SolidPart& part : made) {
     const double depth = SolidPart::DepthOf(part, solid);
     if (depth == 0) continue;
-    return absl::StrCat("'", part.name(), "' would run ", 1000 * depth, " mm into '", solid.name(),
-                        "'");
+    return absl::StrCat("'", part.name(), "' would run ", Millimetres(depth), " into '",
+                        solid.name(), "'");
   }
   return "";
 }
@@ -51,6 +51,11 @@ std::string FilledSpace::ClashOf(const Candidate& candidate,
     if (std::string clash = ClashBetween(made, solid); !clash.empty()) return clash;
   }
   return "";
+}
+
+const std::vector<SideOverlap>& FilledSpace::Overlaps() const {
+  if (!overlaps_) overlaps_ = OverlapsBetween(body_, component_);
+  return *overlaps_;
 }
 
 void FilledSpace::Add(const Candidate& candidate, const parametric::OptimizedConnection& placed) {

@@ -44,13 +44,12 @@ Affine Mean(const Affine& a, const Affine& b) {
 
 class FitProgramme {
  public:
-  FitProgramme(const BothSides& now, const std::vector<Candidate>& candidates, double hold)
+  FitProgramme(const BothSides& now, const FitSpaces& spaces,
+               const std::vector<Candidate>& candidates, double hold)
       : now_(now),
         hold_(hold),
-        component_scales_(ChangeScales(*now.component.assembly, DiagonalOf(now.body))),
-        body_scales_(ChangeScales(*now.body.assembly, DiagonalOf(now.body))),
-        component_set_(*now.component.assembly->FreeInSpace().Rescaled(component_scales_)),
-        body_set_(*now.body.assembly->feasible_set().Rescaled(body_scales_)),
+        component_set_(spaces.component),
+        body_set_(spaces.body),
         body_standing_(body_set_.drawn() + now.body.assembly->Translations() * now.body.shift),
         component_columns_(component_set_.degrees_of_freedom()),
         columns_(component_columns_ + body_set_.degrees_of_freedom()) {
@@ -61,9 +60,9 @@ class FitProgramme {
     }
     start_ = Eigen::VectorXd::Zero(columns_);
     start_.head(component_columns_) =
-        ZOf(component_set_, component_scales_, InSpace(now.component));
+        ZOf(component_set_, spaces.component_scales, InSpace(now.component));
     start_.segment(component_columns_, body_set_.degrees_of_freedom()) =
-        ZOf(body_set_, body_scales_, now.body.q);
+        ZOf(body_set_, spaces.body_scales, now.body.q);
     KeepFeasible();
     for (std::size_t i = 0; i < candidates.size(); ++i) KeepConnection(candidates[i], i);
   }
@@ -94,10 +93,6 @@ class FitProgramme {
  private:
   static absl::Status Conflict(const std::string& what) {
     return PreconditionFailed("CONNECTION_CONFLICT", absl::StrCat("cannot hold together: ", what));
-  }
-
-  static double DiagonalOf(const Design& design) {
-    return parametric::AssemblyDiagonal(design.assembly->assembly());
   }
 
   // The coordinates of feasible parameters in a basis that is orthonormal by these scales.
@@ -347,8 +342,8 @@ class FitProgramme {
 
   const BothSides& now_;
   const double hold_;
-  const Eigen::VectorXd component_scales_, body_scales_;
-  const FeasibleSet component_set_, body_set_;
+  const FeasibleSet& component_set_;
+  const FeasibleSet& body_set_;
   const Eigen::VectorXd body_standing_;  // the body as drawn, where it is in space
   const Eigen::Index component_columns_;
   Eigen::Index columns_;
@@ -381,9 +376,21 @@ FittedSides ChangesBetween(const BothSides& before, BothSides after) {
   return changed;
 }
 
-absl::StatusOr<FittedSides> FitSides(const BothSides& now, const std::vector<Candidate>& candidates,
-                                     double hold) {
-  return FitProgramme(now, candidates, hold).Solve();
+FitSpaces FitSpacesOf(const BothSides& sides) {
+  const parametric::ParametricAssembly& component = *sides.component.assembly;
+  const parametric::ParametricAssembly& body = *sides.body.assembly;
+  const double diagonal = parametric::AssemblyDiagonal(body.assembly());
+  Eigen::VectorXd component_scales = ChangeScales(component, diagonal);
+  Eigen::VectorXd body_scales = ChangeScales(body, diagonal);
+  FeasibleSet component_set = *component.FreeInSpace().Rescaled(component_scales);
+  FeasibleSet body_set = *body.feasible_set().Rescaled(body_scales);
+  return {std::move(component_scales), std::move(body_scales), std::move(component_set),
+          std::move(body_set)};
+}
+
+absl::StatusOr<FittedSides> FitSides(const BothSides& now, const FitSpaces& spaces,
+                                     const std::vector<Candidate>& candidates, double hold) {
+  return FitProgramme(now, spaces, candidates, hold).Solve();
 }
 
 }  // namespace mortise::composer

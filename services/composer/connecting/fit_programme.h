@@ -2,9 +2,11 @@
 // quadratic programme (5.3) of the thesis.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/assembly/relations/feasible_set.h"
 #include "services/composer/connecting/candidate.h"
 
 namespace mortise::composer {
@@ -15,6 +17,14 @@ struct FittedSides {
   double moved_by = 0;
   double resized_by = 0;
 };
+
+// The designs that two sides may be, measured as FitSides measures changes. It depends on their
+// assemblies alone, not on how they are now, and takes most of the time of a fit.
+struct FitSpaces {
+  Eigen::VectorXd component_scales, body_scales;
+  parametric::FeasibleSet component, body;
+};
+FitSpaces FitSpacesOf(const BothSides& sides);
 
 // Returns the largest changes of principal parts between two states of both sides. Rows that got
 // another number of parts are compared as far as they have the same.
@@ -31,7 +41,8 @@ FittedSides ChangesBetween(const BothSides& before, BothSides after);
 //
 // FAILED_PRECONDITION, CONNECTION_CONFLICT, if there is no such point. Two projections
 // (polyhedron.h) in the degrees of freedom of both sides and of the connecting parts.
-absl::StatusOr<FittedSides> FitSides(const BothSides& now, const std::vector<Candidate>& candidates,
-                                     double hold);
+// `spaces` are those of the two sides.
+absl::StatusOr<FittedSides> FitSides(const BothSides& now, const FitSpaces& spaces,
+                                     const std::vector<Candidate>& candidates, double hold);
 
 }  // namespace mortise::composer

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/assembly/model/linear_design.h"
+#include "services/composer/model/overlap.h"
 
 namespace mortise::composer {
 namespace {
@@ -49,8 +50,8 @@ std::string LooseHold(const ElementConnection& connection,
         hold.from_below ? in.maximum[a] - of.minimum[a] : of.maximum[a] - in.minimum[a];
     if (depth >= share * hold.depth - connection.tolerance) continue;
     return absl::StrCat("'", connection.elements[static_cast<std::size_t>(hold.connecting)].name,
-                        "' would reach only ", 1000 * std::max(depth, 0.0), " of ",
-                        1000 * hold.depth, " mm into what stands for '",
+                        "' would reach only ", Millimetres(std::max(depth, 0.0)), " of ",
+                        Millimetres(hold.depth), " into what stands for '",
                         connection.elements[static_cast<std::size_t>(hold.principal)].name, "'");
   }
   return "";

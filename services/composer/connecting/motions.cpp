@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "common/assembly/model/rest_pose.h"
 
 namespace mortise::composer {
@@ -80,10 +81,12 @@ const char* VerbOf(const WantedMotion& motion) {
 
 WantedMotion WantedMotionOf(const std::vector<PrincipalPart>& component, const std::string& name,
                             const Joint* joint) {
-  if (joint != nullptr) return {true, joint->kind};
-  const bool moves =
-      IsMeantToMove(name) || (component.size() == 1 && IsMeantToMove(component.front().name));
-  return {moves, std::nullopt};
+  if (joint != nullptr) return {true, joint->kind, absl::StrCat("by '", joint->name, "'")};
+  if (IsMeantToMove(name)) return {true, std::nullopt, "by its name"};
+  if (component.size() == 1 && IsMeantToMove(component.front().name)) {
+    return {true, std::nullopt, absl::StrCat("by the name of '", component.front().name, "'")};
+  }
+  return {};
 }
 
 const Joint* OwnJointOf(const Assembly& original, const std::vector<PrincipalPart>& component) {
@@ -99,18 +102,22 @@ const Joint* OwnJointOf(const Assembly& original, const std::vector<PrincipalPar
   return found == original.joints.end() ? nullptr : &*found;
 }
 
-bool Allows(const ElementConnection& connection, int first, int second,
-            const WantedMotion& wanted) {
-  const auto& joints = connection.assembly.joints;
-  if (!wanted.moves) {
-    return std::none_of(joints.begin(), joints.end(), [&](const Joint& joint) {
-      return Moves(connection, joint, first) != Moves(connection, joint, second);
-    });
+AllowedMotion AllowedMotionOf(const ElementConnection& connection, int first, int second,
+                              const ItemKindOf& kind_of) {
+  AllowedMotion allowed;
+  for (const Joint& joint : connection.assembly.joints) {
+    const bool moves = Moves(connection, joint, second);
+    if (moves == Moves(connection, joint, first)) continue;
+    allowed.is_firm = false;
+    if (moves && Guides(connection, joint, kind_of)) allowed.kinds.push_back(joint.kind);
   }
-  return std::any_of(joints.begin(), joints.end(), [&](const Joint& joint) {
-    return Moves(connection, joint, second) && !Moves(connection, joint, first) &&
-           (!wanted.kind || *wanted.kind == joint.kind);
-  });
+  return allowed;
+}
+
+bool Allows(const AllowedMotion& allowed, const WantedMotion& wanted) {
+  if (!wanted.moves) return allowed.is_firm;
+  return std::any_of(allowed.kinds.begin(), allowed.kinds.end(),
+                     [&](JointKind kind) { return !wanted.kind || *wanted.kind == kind; });
 }
 
 std::optional<int> JointOfComponent(const Candidate& candidate) {
@@ -146,6 +153,33 @@ bool MoveAlike(const Joint& a, const Joint& b, double tolerance) {
   return a.kind == JointKind::kPrismatic || apart.cross(a.axis).norm() <= tolerance;
 }
 
+std::vector<PartPair> HeldPairs(const Candidate& candidate) {
+  const ElementConnection& connection = candidate.from->connection;
+  std::vector<PartPair> pairs;
+  if (connection.connecting.empty()) return pairs;
+  const std::optional<int> its = JointOfComponent(candidate);
+  const auto& joints = connection.assembly.joints;
+  const auto are_moved = [&](std::size_t a, std::size_t b) {
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      if (its == static_cast<int>(j)) continue;
+      if (Moves(connection, joints[j], static_cast<int>(a)) !=
+          Moves(connection, joints[j], static_cast<int>(b))) {
+        return true;
+      }
+    }
+    return false;
+  };
+  for (std::size_t a = 0; a < candidate.principals.size(); ++a) {
+    for (std::size_t b = 0; b < candidate.principals.size(); ++b) {
+      const BoundPrincipal& body = candidate.principals[a];
+      const BoundPrincipal& component = candidate.principals[b];
+      if (body.of_component || !component.of_component || are_moved(a, b)) continue;
+      pairs.emplace_back(body.part, component.part);
+    }
+  }
+  return pairs;
+}
+
 MovingFrames::MovingFrames(const BothSides& sides)
     : body_(FramesOf(sides.body, sides.body_parts)),
       component_(FramesOf(sides.component, sides.component_parts)) {}
@@ -161,6 +195,15 @@ bool MovingFrames::MayFasten(int body, int component) const {
   const auto others = component_of_body_.find(a), its = body_of_component_.find(b);
   return (others == component_of_body_.end() || others->second == b) &&
          (its == body_of_component_.end() || its->second == a);
+}
+
+std::optional<PartPair> MovingFrames::FirstConflict(const std::vector<PartPair>& pairs) const {
+  MovingFrames with_these = *this;
+  for (const PartPair& pair : pairs) {
+    if (!with_these.MayFasten(pair.first, pair.second)) return pair;
+    with_these.Fasten(pair.first, pair.second);
+  }
+  return std::nullopt;
 }
 
 void MovingFrames::Fasten(int body, int component) {

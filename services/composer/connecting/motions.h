@@ -5,10 +5,12 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/assembly/model/assembly.h"
 #include "services/composer/connecting/candidate.h"
+#include "services/composer/connecting/guides.h"
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/model/placed_forms.h"
 
@@ -23,6 +25,8 @@ bool IsMeantToMove(const std::string& name);
 struct WantedMotion {
   bool moves = false;                         // else it is to be firm
   std::optional<parametric::JointKind> kind;  // any, where that is not known
+  // By what that is known, for people: "by 'left drawer slide'", "by its name".
+  std::string because = {};
 };
 
 // "slide", "turn", or "move" where it is not known which.
@@ -39,10 +43,17 @@ WantedMotion WantedMotionOf(const std::vector<PrincipalPart>& component, const s
 const parametric::Joint* OwnJointOf(const parametric::Assembly& original,
                                     const std::vector<PrincipalPart>& component);
 
-// Whether a connection lets one of its principals, `second`, move as wanted against another,
-// `first`, that stays.
-bool Allows(const parametric::ElementConnection& connection, int first, int second,
-            const WantedMotion& wanted);
+// How a connection lets one of its principals, `second`, move against another, `first`, that stays.
+struct AllowedMotion {
+  bool is_firm = true;  // no joint moves either against the other
+  std::vector<parametric::JointKind> kinds =
+      {};  // of joints that move `second` alone, and have guides
+};
+AllowedMotion AllowedMotionOf(const parametric::ElementConnection& connection, int first,
+                              int second, const ItemKindOf& kind_of);
+
+// Whether that is what is wanted.
+bool Allows(const AllowedMotion& allowed, const WantedMotion& wanted);
 
 // Returns the joint of a connection, by its index there, that moved what the component's parts
 // stand for and nothing else: with it the component moves against the body.
@@ -56,6 +67,14 @@ parametric::Joint JointWhere(const Candidate& candidate,
 // `tolerance`, m.
 bool MoveAlike(const parametric::Joint& a, const parametric::Joint& b, double tolerance);
 
+// A part of the body and one of the component, by their indices.
+using PartPair = std::pair<int, int>;
+
+// Returns the pairs that a connection holds together, firmly or by the joint that moves the
+// component: not those that another joint of its own moves against each other, nor any where it has
+// no connecting parts.
+std::vector<PartPair> HeldPairs(const Candidate& candidate);
+
 // Which parts of a component may be fastened to which of a body: never two parts that joints move
 // against each other to one that is firm.
 class MovingFrames {
@@ -66,6 +85,8 @@ class MovingFrames {
   bool BothStay(int body, int component) const;
   // Whether the two may be fastened to each other with all that is so far.
   bool MayFasten(int body, int component) const;
+  // The first of these pairs that may not be fastened when those before it are; nothing if all may.
+  std::optional<PartPair> FirstConflict(const std::vector<PartPair>& pairs) const;
   void Fasten(int body, int component);
 
  private:

@@ -1,9 +1,9 @@
 #include "services/composer/connecting/side_overlaps.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "absl/strings/str_cat.h"
-#include "services/composer/model/overlap.h"
 
 namespace mortise::composer {
 namespace {
@@ -28,22 +28,29 @@ bool HasOverlap(const BothSides& sides, const Candidate& connection, const std::
 
 }  // namespace
 
-std::vector<SideOverlap> OverlapsBetween(const BothSides& sides,
-                                         const std::vector<Candidate>& connections) {
+std::vector<SideOverlap> OverlapsBetween(const std::vector<SolidPart>& body,
+                                         const std::vector<SolidPart>& component) {
   std::vector<SideOverlap> overlaps;
-  const std::vector<SolidPart> component = SolidsOf(sides.component);
-  for (const SolidPart& body : SolidsOf(sides.body)) {
-    for (const SolidPart& part : component) {
-      const double depth = SolidPart::DepthOf(body, part);
-      if (depth == 0) continue;
-      const bool is_wanted =
-          std::any_of(connections.begin(), connections.end(), [&](const Candidate& connection) {
-            return HasOverlap(sides, connection, body.name(), part.name());
-          });
-      if (!is_wanted) overlaps.push_back({body.name(), part.name(), depth});
+  for (const SolidPart& first : body) {
+    for (const SolidPart& second : component) {
+      const double depth = SolidPart::DepthOf(first, second);
+      if (depth > 0) overlaps.push_back({first.name(), second.name(), depth});
     }
   }
   return overlaps;
+}
+
+std::vector<SideOverlap> Unwanted(const std::vector<SideOverlap>& overlaps, const BothSides& sides,
+                                  const std::vector<Candidate>& connections) {
+  std::vector<SideOverlap> unwanted;
+  std::copy_if(overlaps.begin(), overlaps.end(), std::back_inserter(unwanted),
+               [&](const SideOverlap& overlap) {
+                 return std::none_of(
+                     connections.begin(), connections.end(), [&](const Candidate& connection) {
+                       return HasOverlap(sides, connection, overlap.body, overlap.component);
+                     });
+               });
+  return unwanted;
 }
 
 std::vector<SideOverlap> NewOverlaps(const std::vector<SideOverlap>& before,
@@ -60,7 +67,7 @@ std::vector<SideOverlap> NewOverlaps(const std::vector<SideOverlap>& before,
 }
 
 std::string Describe(const SideOverlap& overlap) {
-  return absl::StrCat("'", overlap.component, "' reaches ", 1000 * overlap.depth, " mm into '",
+  return absl::StrCat("'", overlap.component, "' reaches ", Millimetres(overlap.depth), " into '",
                       overlap.body, "' of the model");
 }
 

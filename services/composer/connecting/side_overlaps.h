@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/composer/connecting/candidate.h"
+#include "services/composer/model/overlap.h"
 
 namespace mortise::composer {
 
@@ -14,11 +15,15 @@ struct SideOverlap {
   double depth = 0;       // m, more than kMaxOverlap (overlap.h)
 };
 
-// Returns all pairs of parts, one of each side, that reach into each other, but for those of which
-// one of `connections` has it so. They come in the order of the body's parts, then of the
-// component's. O(parts of the body · parts of the component) where boxes are apart.
-std::vector<SideOverlap> OverlapsBetween(const BothSides& sides,
-                                         const std::vector<Candidate>& connections);
+// Returns all pairs of parts, one of each side, that reach into each other. They come in the order
+// of the body's parts, then of the component's. O(parts of the body · parts of the component) where
+// boxes are apart.
+std::vector<SideOverlap> OverlapsBetween(const std::vector<SolidPart>& body,
+                                         const std::vector<SolidPart>& component);
+
+// Returns those that none of `connections` has so.
+std::vector<SideOverlap> Unwanted(const std::vector<SideOverlap>& overlaps, const BothSides& sides,
+                                  const std::vector<Candidate>& connections);
 
 // Returns those of `after` that are not among `before`, or are deeper by more than kMaxOverlap.
 std::vector<SideOverlap> NewOverlaps(const std::vector<SideOverlap>& before,

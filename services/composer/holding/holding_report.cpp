@@ -11,7 +11,6 @@
 #include "services/composer/connecting/part_connection.h"
 #include "services/composer/holding/joint_rules.h"
 #include "services/composer/holding/loose_fasteners.h"
-#include "services/composer/holding/motion_rules.h"
 
 namespace mortise::composer {
 namespace {
@@ -136,12 +135,14 @@ void TellWhatIsJudged(HoldingReport& report) {
 
 absl::StatusOr<HoldingReport> CheckHolding(const Design& design,
                                            const std::vector<parametric::Item>& items,
-                                           const std::vector<parametric::Material>& materials) {
+                                           const std::vector<parametric::Material>& materials,
+                                           const DesignOf& design_of) {
   HoldingReport report;
   report.standing = StandingInPoses(design, items, materials);
   report.worst_pose = WorstPose(report.standing);
   JudgeStanding(report.standing, report.findings);
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Assembly drawn, DrawnAt(design));
+  MORTISE_ASSIGN_OR_RETURN(const Redrawn redrawn, Redraw(design));
+  const parametric::Assembly& drawn = redrawn.assembly;
   std::vector<BearingSurface> surfaces =
       FindBearingSurfaces(drawn, report.standing.poses.front().support.floor);
   std::stable_sort(surfaces.begin(), surfaces.end(), [](const auto& a, const auto& b) {
@@ -154,9 +155,9 @@ absl::StatusOr<HoldingReport> CheckHolding(const Design& design,
   MORTISE_ASSIGN_OR_RETURN(const std::vector<CollectionConnection> connections,
                            ConnectionsOf(drawn.name, drawn));
   report.joints = JointsOf(drawn, connections, items, materials);
-  for (auto judged :
-       {JudgeWhole(PrincipalNames(drawn), report.joints), JudgeMotion(drawn, report.joints),
-        FindLooseFasteners(drawn, items, materials), JudgeJoints(report.joints)}) {
+  for (auto judged : {JudgeWhole(PrincipalNames(drawn), report.joints),
+                      JudgeMotion(drawn, report.joints, OfRedrawn(redrawn, design_of)),
+                      FindLooseFasteners(drawn, items, materials), JudgeJoints(report.joints)}) {
     std::move(judged.begin(), judged.end(), std::back_inserter(report.findings));
   }
   report.findings = Ordered(std::move(report.findings));

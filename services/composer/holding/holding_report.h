@@ -11,6 +11,7 @@
 #include "services/composer/holding/bearing_surfaces.h"
 #include "services/composer/holding/finding.h"
 #include "services/composer/holding/joints.h"
+#include "services/composer/holding/motion_rules.h"
 #include "services/composer/holding/standing_in_poses.h"
 #include "services/composer/model/design.h"
 
@@ -34,7 +35,7 @@ struct HoldingReport {
   std::vector<std::string> judged, not_judged;
 };
 
-// Checks a design as it is now.
+// Checks a design as it is now. `design_of` is asked of its parts as drawn (motion_rules.h).
 //
 // Findings, besides those of joint_rules.h: "topples", a fault, of a pose in which the centre of
 // mass is not above the support polygon; "tilts-easily", a warning, our own, where a floor that
@@ -45,6 +46,7 @@ struct HoldingReport {
 // takes some 50 ms.
 absl::StatusOr<HoldingReport> CheckHolding(const Design& design,
                                            const std::vector<parametric::Item>& items,
-                                           const std::vector<parametric::Material>& materials);
+                                           const std::vector<parametric::Material>& materials,
+                                           const DesignOf& design_of = nullptr);
 
 }  // namespace mortise::composer

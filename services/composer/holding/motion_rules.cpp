@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -44,6 +45,9 @@ bool LetsMove(const parametric::Joint& joint, const Fastener& pin) {
   return apart.norm() <= pin.diameter;
 }
 
+// Whether a fastener lets what it goes into move, or is right to hold it.
+using MayHold = std::function<bool(const Fastener& fastener, const std::string& part)>;
+
 // What is fastened to others.
 struct HeldFast {
   Names parts, others, fasteners;
@@ -51,17 +55,17 @@ struct HeldFast {
 
 class FastJudge {
  public:
-  // `lets_move` says which pins do.
-  FastJudge(const Names& moved, std::function<bool(const Fastener&)> lets_move)
-      : moved_(moved), lets_move_(std::move(lets_move)) {}
+  // `lets_move` says which pins do, `may_hold` which fasteners may hold fast a part that is moved.
+  FastJudge(const Names& moved, std::function<bool(const Fastener&)> lets_move, MayHold may_hold)
+      : moved_(moved), lets_move_(std::move(lets_move)), may_hold_(std::move(may_hold)) {}
 
   HeldFast In(const std::vector<Joint>& joints) {
     for (const Joint& joint : joints) {
       for (const Fastener& fastener : joint.fasteners) {
         if (fastener.IsPin()) {
-          Take(fastener.name, Reached(joint, fastener));
+          Take(fastener, Reached(joint, fastener));
         } else if (fastener.item_kind == parametric::ItemKind::kBracket) {
-          Take(fastener.name, FastenedTo(joint, fastener));
+          Take(fastener, FastenedTo(joint, fastener));
         }
       }
     }
@@ -88,19 +92,24 @@ class FastJudge {
     return fastened;
   }
 
-  void Take(const std::string& fastener, const Names& reached) {
+  void Take(const Fastener& fastener, const Names& reached) {
     Names parts, others;
     for (const std::string& name : reached) {
-      (moved_.contains(name) ? parts : others).insert(name);
+      if (!moved_.contains(name)) {
+        others.insert(name);
+      } else if (!may_hold_(fastener, name)) {
+        parts.insert(name);
+      }
     }
     if (parts.empty() || others.empty()) return;
-    held_.fasteners.insert(fastener);
+    held_.fasteners.insert(fastener.name);
     held_.parts.merge(parts);
     held_.others.merge(others);
   }
 
   const Names& moved_;
   const std::function<bool(const Fastener&)> lets_move_;
+  const MayHold may_hold_;
   HeldFast held_;
 };
 
@@ -116,13 +125,15 @@ std::string Listed(const Names& names) {
   return listed;
 }
 
-void Add(Severity severity, const char* rule, const std::string& why, const HeldFast& held,
+// `what` it is to do, and by what that is known.
+void Add(Severity severity, const char* rule, const std::string& what, const HeldFast& held,
          std::vector<Finding>& findings) {
   Finding finding{severity, rule, {held.parts.begin(), held.parts.end()}, 0, 0, "1", "", kOwn};
   finding.found = static_cast<double>(held.fasteners.size());
-  finding.text = absl::StrCat(why, ", but ", Listed(held.fasteners),
-                              held.fasteners.size() == 1 ? " holds" : " hold", " it fast to ",
-                              Listed(held.others));
+  finding.text = absl::StrCat(
+      Listed(held.parts), held.parts.size() == 1 ? " is to " : " are to ", what, ", but ",
+      Listed(held.fasteners), held.fasteners.size() == 1 ? " holds " : " hold ",
+      held.parts.size() == 1 ? "it" : "them", " fast to ", Listed(held.others));
   findings.push_back(std::move(finding));
 }
 
@@ -143,39 +154,69 @@ bool IsMoved(const Assembly& assembly, int group) {
          });
 }
 
+// Whether it is the design of a part itself that fastens it.
+bool IsByDesign(const DesignOf& design_of, const Fastener& fastener, const std::string& part) {
+  if (!design_of) return false;
+  const std::string design = design_of(part);
+  return !design.empty() && design_of(fastener.name) == design;
+}
+
 void JudgeNamed(const std::string& name, const Names& parts, const std::vector<Joint>& joints,
-                std::vector<Finding>& findings) {
-  const HeldFast held = FastJudge(parts, [](const Fastener&) { return false; }).In(joints);
+                const DesignOf& design_of, std::vector<Finding>& findings) {
+  const HeldFast held = FastJudge(
+                            parts, [](const Fastener&) { return false; },
+                            [&](const Fastener& fastener, const std::string& part) {
+                              return IsByDesign(design_of, fastener, part);
+                            })
+                            .In(joints);
   if (held.parts.empty()) return;
+  const bool is_part = held.parts.size() == 1 && held.parts.contains(name);
   Add(Severity::kWarning, kCannotMove,
-      absl::StrCat("'", name, "' is to move by its name, and no joint lets it"), held, findings);
+      absl::StrCat("move by ", is_part ? "its name" : absl::StrCat("the name of '", name, "'"),
+                   ", and no joint lets ", held.parts.size() == 1 ? "it" : "them"),
+      held, findings);
 }
 
 }  // namespace
 
-std::vector<Finding> JudgeMotion(const Assembly& drawn, const std::vector<Joint>& joints) {
+DesignOf OfRedrawn(const Redrawn& redrawn, const DesignOf& design_of) {
+  if (!design_of) return nullptr;
+  std::map<std::string, std::string> drawn_as;
+  for (std::size_t i = 0; i < redrawn.drawn_as.size(); ++i) {
+    drawn_as[redrawn.assembly.parts[i].name] = redrawn.drawn_as[i];
+  }
+  return [drawn_as = std::move(drawn_as), &design_of](const std::string& part) {
+    const auto found = drawn_as.find(part);
+    return found == drawn_as.end() ? std::string() : design_of(found->second);
+  };
+}
+
+std::vector<Finding> JudgeMotion(const Assembly& drawn, const std::vector<Joint>& joints,
+                                 const DesignOf& design_of) {
   std::vector<Finding> findings;
   for (const parametric::Joint& joint : drawn.joints) {
     const Names moved = PrincipalsIn(drawn, joint.group);
-    const HeldFast held =
-        FastJudge(moved, [&](const Fastener& pin) { return LetsMove(joint, pin); }).In(joints);
+    const HeldFast held = FastJudge(
+                              moved, [&](const Fastener& pin) { return LetsMove(joint, pin); },
+                              [](const Fastener&, const std::string&) { return false; })
+                              .In(joints);
     if (held.parts.empty()) continue;
-    Add(Severity::kFault, kScrewedFast,
-        absl::StrCat("to ", VerbOf(joint.kind), " by '", joint.name, "'"), held, findings);
+    Add(Severity::kFault, kScrewedFast, absl::StrCat(VerbOf(joint.kind), " by '", joint.name, "'"),
+        held, findings);
   }
   std::set<int> named;  // groups, of which the parts need not be looked at
   for (int group = 1; group < static_cast<int>(drawn.groups.size()); ++group) {
     const parametric::AssemblyGroup& its = drawn.groups[static_cast<std::size_t>(group)];
     if (!IsMeantToMove(its.name) || IsMoved(drawn, group)) continue;
     named.insert(group);
-    JudgeNamed(its.name, PrincipalsIn(drawn, group), joints, findings);
+    JudgeNamed(its.name, PrincipalsIn(drawn, group), joints, design_of, findings);
   }
   for (const parametric::AssemblyPart& part : drawn.parts) {
     if (part.connecting || !IsMeantToMove(part.name) || MovesWith(drawn, part.group)) continue;
     const bool is_in_named = std::any_of(named.begin(), named.end(), [&](int group) {
       return parametric::IsWithin(drawn, part.group, group);
     });
-    if (!is_in_named) JudgeNamed(part.name, {part.name}, joints, findings);
+    if (!is_in_named) JudgeNamed(part.name, {part.name}, joints, design_of, findings);
   }
   return findings;
 }

@@ -6,13 +6,13 @@
 #include "common/base/errors.h"
 #include "services/composer/holding/joint_rules.h"
 #include "services/composer/holding/joints.h"
-#include "services/composer/holding/motion_rules.h"
 
 namespace mortise::composer {
 
 std::vector<UnheldParts> FindUnheldParts(const parametric::Assembly& drawn,
                                          const std::vector<CollectionConnection>& connections,
-                                         const std::vector<parametric::Item>& items) {
+                                         const std::vector<parametric::Item>& items,
+                                         const DesignOf& design_of) {
   // What the principals are made of does not matter.
   const std::vector<Joint> joints = JointsOf(drawn, connections, items, {});
   std::vector<UnheldParts> unheld;
@@ -21,18 +21,20 @@ std::vector<UnheldParts> FindUnheldParts(const parametric::Assembly& drawn,
     unheld.push_back(
         {std::move(finding.parts), absl::StrCat("held by nothing now: ", finding.text)});
   }
-  for (Finding& finding : JudgeMotion(drawn, joints)) {
+  for (Finding& finding : JudgeMotion(drawn, joints, design_of)) {
     unheld.push_back({std::move(finding.parts), std::move(finding.text)});
   }
   return unheld;
 }
 
-absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(
-    const Design& design, const std::vector<parametric::Item>& items) {
-  MORTISE_ASSIGN_OR_RETURN(const parametric::Assembly drawn, DrawnAt(design));
+absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(const Design& design,
+                                                         const std::vector<parametric::Item>& items,
+                                                         const DesignOf& design_of) {
+  MORTISE_ASSIGN_OR_RETURN(const Redrawn redrawn, Redraw(design));
+  const parametric::Assembly& drawn = redrawn.assembly;
   MORTISE_ASSIGN_OR_RETURN(const std::vector<CollectionConnection> connections,
                            ConnectionsOf(drawn.name, drawn));
-  return FindUnheldParts(drawn, connections, items);
+  return FindUnheldParts(drawn, connections, items, OfRedrawn(redrawn, design_of));
 }
 
 }  // namespace mortise::composer

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/design/template_definition.h"
 #include "services/composer/connecting/part_connection.h"
+#include "services/composer/holding/motion_rules.h"
 #include "services/composer/model/design.h"
 
 namespace mortise::composer {
@@ -22,14 +23,16 @@ struct UnheldParts {
 // unconnected or only touching the rest: no fastener leads from them to what stands; then those
 // that JudgeMotion (motion_rules.h) finds held fast. Whether parts are glued is not known, so that
 // parts of designs of experts may be among them. `connections` are all of the assembly's
-// (ConnectionsOf), `items` those of its parts.
+// (ConnectionsOf), `items` those of its parts, and `design_of` as JudgeMotion takes it.
 std::vector<UnheldParts> FindUnheldParts(const parametric::Assembly& drawn,
                                          const std::vector<CollectionConnection>& connections,
-                                         const std::vector<parametric::Item>& items);
+                                         const std::vector<parametric::Item>& items,
+                                         const DesignOf& design_of = nullptr);
 
-// The same of a design as it is now. Fails as DrawnAt and ConnectionsOf. O(parts²): an assembly of
-// 200 parts takes some 50 ms.
-absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(
-    const Design& design, const std::vector<parametric::Item>& items);
+// The same of a design as it is now; `design_of` is asked of its parts as drawn. Fails as DrawnAt
+// and ConnectionsOf. O(parts²): an assembly of 200 parts takes some 50 ms.
+absl::StatusOr<std::vector<UnheldParts>> FindUnheldParts(const Design& design,
+                                                         const std::vector<parametric::Item>& items,
+                                                         const DesignOf& design_of = nullptr);
 
 }  // namespace mortise::composer

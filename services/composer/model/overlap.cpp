@@ -1,8 +1,10 @@
 #include "services/composer/model/overlap.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "common/assembly/model/linear_design.h"
 
 namespace mortise::composer {
@@ -11,6 +13,10 @@ using parametric::BoundingBox;
 
 double CommonDepth(const BoundingBox& a, const BoundingBox& b) {
   return (a.maximum.cwiseMin(b.maximum) - a.minimum.cwiseMax(b.minimum)).minCoeff();
+}
+
+std::string Millimetres(double metres) {
+  return absl::StrCat(std::round(1e5 * metres) / 100, " mm");
 }
 
 SolidPart::SolidPart(std::string name, const BoundingBox& box,

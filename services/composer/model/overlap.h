@@ -21,6 +21,10 @@ inline constexpr double kMaxOverlap = 1e-4;
 // 0 if they are apart.
 double CommonDepth(const parametric::BoundingBox& a, const parametric::BoundingBox& b);
 
+// Returns a length, m, for people: "3.25 mm". It is rounded to a hundredth of a millimetre, so that
+// what is the same but for rounding reads the same.
+std::string Millimetres(double metres);
+
 // A part where it is, as what fills space there.
 class SolidPart {
  public:

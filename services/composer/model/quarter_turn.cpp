@@ -42,14 +42,8 @@ Axis Turned(Axis axis, const Eigen::Matrix3d& turn) {
   return static_cast<Axis>(becomes);
 }
 
-BoundingBox Turned(const BoundingBox& box, const Eigen::Matrix3d& turn) {
-  const Eigen::Vector3d a = Turned(box.minimum, turn);
-  const Eigen::Vector3d b = Turned(box.maximum, turn);
-  return {a.cwiseMin(b), a.cwiseMax(b)};
-}
-
 void Turn(parametric::AssemblyPart& part, const Eigen::Matrix3d& turn) {
-  part.box = Turned(part.box, turn);
+  part.box = composer::Turned(part.box, turn);
   const std::array<parametric::SizeLimits, 3> limits = part.limits;
   for (const Axis axis : parametric::kAxes) {
     part.limits[static_cast<std::size_t>(Turned(axis, turn))] =
@@ -154,6 +148,12 @@ std::vector<Axis> QuarterTurnsOf(const Eigen::Matrix3d& turn) {
     }
   }
   return {};
+}
+
+BoundingBox Turned(const BoundingBox& box, const Eigen::Matrix3d& turn) {
+  const Eigen::Vector3d a = Turned(box.minimum, turn);
+  const Eigen::Vector3d b = Turned(box.maximum, turn);
+  return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
 parametric::Assembly Turned(parametric::Assembly assembly, const Eigen::Matrix3d& turn) {

@@ -22,6 +22,9 @@ Eigen::Matrix3d TurnOf(const std::vector<Axis>& quarter_turns);
 // They are none for the identity, and five at most.
 std::vector<Axis> QuarterTurnsOf(const Eigen::Matrix3d& turn);
 
+// Returns the box turned about the origin.
+parametric::BoundingBox Turned(const parametric::BoundingBox& box, const Eigen::Matrix3d& turn);
+
 // Returns the assembly turned about the origin. Boxes, limits, item axes, prominent planes, joints
 // with their rest poses, and shapes (DrawnShape::turn) turn with it, and names stay. A component is
 // turned together with the design that it is compared to (Original).

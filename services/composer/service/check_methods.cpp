@@ -132,8 +132,9 @@ absl::StatusOr<v1::ModelCheck> CheckModel(const Composer& composer, const rpc::C
   MORTISE_ASSIGN_OR_RETURN(const auto drawing,
                            composer.drawings.Get(model.name, model.body->drawing));
   MORTISE_ASSIGN_OR_RETURN(const BundleContents contents, ContentsOf(drawing->bundle));
-  MORTISE_ASSIGN_OR_RETURN(HoldingReport report,
-                           CheckHolding(model.body->design, contents.items, contents.materials));
+  MORTISE_ASSIGN_OR_RETURN(
+      HoldingReport report,
+      CheckHolding(model.body->design, contents.items, contents.materials, DesignsIn(model)));
   for (const OpenLoose& loose : model.loose) {
     report.not_judged.push_back(absl::StrCat("'", loose.id, "', which is not connected"));
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "common/assembly/codec/parametrization_codec.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
@@ -19,6 +17,7 @@
 #include "common/design/template_validation.h"
 #include "common/messages/vector_codec.h"
 #include "services/composer/connecting/connect.h"
+#include "services/composer/service/connecting_sources.h"
 #include "services/composer/service/new_body.h"
 #include "services/composer/service/turn_methods.h"
 #include "services/composer/service/unheld_warnings.h"
@@ -162,32 +161,6 @@ absl::StatusOr<std::optional<Design>> WholeOf(const OpenModel& model, const Open
   return whole;
 }
 
-// Adds the assemblies turned as components of the model are: what stands along y is held together
-// as what stands along x. And `own` as it is drawn, in whose place the component's own design
-// comes.
-absl::Status AddTurned(const OpenModel& model, const std::string& own,
-                       CollectionConnections& collection, const IsGivenUp& is_given_up,
-                       ConnectionOrigins& sources) {
-  std::map<std::string, Eigen::Matrix3d> turns;
-  for (const v1::ModelComponent& component : model.components) {
-    if (component.turns().empty()) continue;
-    MORTISE_ASSIGN_OR_RETURN(const Eigen::Matrix3d turn, ReadTurns(component.turns()));
-    turns.emplace(absl::StrJoin(component.turns(), " "), turn);
-  }
-  if (turns.empty()) return absl::OkStatus();
-  const ConnectionOrigins drawn = sources;
-  ConnectionOrigins own_drawn;
-  if (const auto found = drawn.find(own); found != drawn.end()) own_drawn.insert(*found);
-  MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins more,
-                           collection.Turned(own_drawn, Eigen::Matrix3d::Identity(), is_given_up));
-  sources.merge(more);
-  for (const auto& [name, turn] : turns) {
-    MORTISE_ASSIGN_OR_RETURN(more, collection.Turned(drawn, turn, is_given_up));
-    sources.merge(more);
-  }
-  return absl::OkStatus();
-}
-
 void SetAlignments(const std::vector<Alignment>& alignments, v1::ModelComponent* component) {
   component->clear_alignments();
   for (const Alignment& alignment : alignments) {
@@ -307,17 +280,13 @@ absl::StatusOr<ModelChange> ConnectComponent(const Composer& composer, const rpc
   MORTISE_ASSIGN_OR_RETURN(const auto own, drawings.ConnectionsIn(*origin));
   const std::string& source = origin->bundle.assembly().name();
   std::optional<Original> original;
-  if (whole) original = Original{source, *std::move(whole), *own};
-  MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
+  if (whole) original = Original{source, *std::move(whole), own};
+  MORTISE_ASSIGN_OR_RETURN(const ConnectionOrigins drawn,
                            composer.collection.All(rpc::ForwardedFrom(call), GivenUpWith(call)));
-  MORTISE_RETURN_IF_ERROR(
-      AddTurned(model, source, composer.collection, GivenUpWith(call), sources));
-  // The component's design as it was when it was added, whatever has become of it, and turned as
-  // the component is.
-  sources[source] = {origin, own};
-  // AddComponent has seen to it that the two go together.
-  v1::AssemblyBundle together = body->bundle;
-  if (CombineItems(origin->bundle, &together).ok()) LeaveOutOtherItems(together, sources);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3d> turns, TurnsIn(model));
+  MORTISE_ASSIGN_OR_RETURN(
+      const ConnectionOrigins sources,
+      SourcesFor(drawn, turns, {origin, own}, *body, composer.collection, GivenUpWith(call)));
   MORTISE_ASSIGN_OR_RETURN(const Connected connected,
                            Connect(model.body->design, loose->part.design, asked.component(),
                                    original ? &*original : nullptr, ConnectionsIn(sources),

@@ -121,14 +121,22 @@ absl::StatusOr<std::shared_ptr<const Drawing>> TakeConnected(
   MORTISE_ASSIGN_OR_RETURN(Drawing drawn, DrawAnew(BodyName(*model), merged, parts, joints));
   const auto drawing = std::make_shared<const Drawing>(std::move(drawn));
   MORTISE_RETURN_IF_ERROR(SetBody(drawing, connected.model, drawings, is_given_up, model));
+  const std::string& own_source = from.component.bundle.assembly().name();
   std::map<std::string, std::string> owners;
+  std::set<std::string> borrowed;
   for (std::size_t i = 0; i < merged.parts.size(); ++i) {
     const Provenance& provenance = connected.parts[i];
+    const std::string& name = merged.parts[i].name;
     const bool of_body = provenance.from == Provenance::From::kBody;
     const auto before = of_body ? model->owners.find(provenance.name) : model->owners.end();
-    owners[merged.parts[i].name] = before == model->owners.end() ? component : before->second;
+    owners[name] = before == model->owners.end() ? component : before->second;
+    const bool is_borrowed = of_body ? model->borrowed.contains(provenance.name)
+                                     : provenance.from == Provenance::From::kConnection &&
+                                           provenance.source != own_source;
+    if (is_borrowed) borrowed.insert(name);
   }
   model->owners = std::move(owners);
+  model->borrowed = std::move(borrowed);
   std::erase_if(model->loose, [&](const OpenLoose& loose) { return loose.id == component; });
   return drawing;
 }
@@ -143,9 +151,11 @@ absl::StatusOr<std::shared_ptr<const Drawing>> TakeWithout(const std::string& no
   MORTISE_ASSIGN_OR_RETURN(const auto before, drawings.Get(model->name, model->body->drawing));
   std::vector<CopiedFrom> parts;
   std::map<std::string, std::string> owners;
+  std::set<std::string> borrowed;
   for (const parametric::AssemblyPart& part : rest.parts) {
     parts.push_back({before.get(), drawn_as.at(part.name)});
     owners[part.name] = model->owners[parts.back().name];
+    if (model->borrowed.contains(parts.back().name)) borrowed.insert(part.name);
   }
   MORTISE_ASSIGN_OR_RETURN(Drawing drawn,
                            DrawAnew(BodyName(*model), rest, parts, JointsOf(rest, *before)));
@@ -153,6 +163,7 @@ absl::StatusOr<std::shared_ptr<const Drawing>> TakeWithout(const std::string& no
   MORTISE_ASSIGN_OR_RETURN(Design design, AsDrawn(rest, {model->body->design.assembly.get()}));
   MORTISE_RETURN_IF_ERROR(SetBody(drawing, std::move(design), drawings, is_given_up, model));
   model->owners = std::move(owners);
+  model->borrowed = std::move(borrowed);
   ForgetWhatIsGone(rest, model);
   return drawing;
 }

@@ -73,7 +73,10 @@ absl::StatusOr<OpenModel> Open(const StoredModel& stored, ModelDrawings& drawing
     MORTISE_ASSIGN_OR_RETURN(Design body, drawings.DesignOf(model.name, state.body(), is_given_up));
     model.body = OpenDesign{state.body().drawing(), state.body().group(), std::move(body)};
   }
-  for (const PartOwner& owner : state.owners()) model.owners[owner.part()] = owner.component();
+  for (const PartOwner& owner : state.owners()) {
+    model.owners[owner.part()] = owner.component();
+    if (owner.borrowed()) model.borrowed.insert(owner.part());
+  }
   for (const LooseComponent& loose : state.loose()) {
     MORTISE_ASSIGN_OR_RETURN(Design design,
                              drawings.DesignOf(model.name, loose.design(), is_given_up));
@@ -98,6 +101,7 @@ ModelState StateOf(const OpenModel& model) {
     PartOwner* const owner = state.add_owners();
     owner->set_part(part);
     owner->set_component(component);
+    owner->set_borrowed(model.borrowed.contains(part));
   }
   for (const OpenLoose& loose : model.loose) {
     LooseComponent* const kept = state.add_loose();
@@ -166,6 +170,15 @@ absl::StatusOr<OpenDesign*> FindDesign(OpenModel& model, const std::string& comp
   if (model.body) return &*model.body;
   return PreconditionFailed("MODEL_EMPTY", absl::StrCat("nothing is in ", model.name, " yet"),
                             "name");
+}
+
+DesignOf DesignsIn(const OpenModel& model) {
+  std::map<std::string, std::string> designs = model.owners;
+  for (const std::string& part : model.borrowed) designs.erase(part);
+  return [designs = std::move(designs)](const std::string& part) {
+    const auto found = designs.find(part);
+    return found == designs.end() ? std::string() : found->second;
+  };
 }
 
 void SetPlaced(OpenModel& model, const std::string& component) {

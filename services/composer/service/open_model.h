@@ -3,12 +3,14 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "model_state.pb.h"
 #include "mortise/v1/composer.pb.h"
+#include "services/composer/holding/motion_rules.h"
 #include "services/composer/model/design.h"
 #include "services/composer/records/model_drawings.h"
 #include "services/composer/records/model_records.h"
@@ -32,7 +34,9 @@ struct OpenModel {
   std::string name;                           // models/{id}
   std::optional<OpenDesign> body;             // what is connected; none of an empty model
   std::map<std::string, std::string> owners;  // component of each part of the body as drawn
-  std::vector<OpenLoose> loose;               // components that are not connected
+  // Connecting parts of the body that connections of other designs than their components' brought.
+  std::set<std::string> borrowed;
+  std::vector<OpenLoose> loose;  // components that are not connected
   std::vector<v1::ModelComponent> components;
   std::vector<v1::ModelWarning> warnings;
 };
@@ -60,6 +64,10 @@ absl::StatusOr<OpenLoose*> FindLoose(OpenModel& model, const std::string& id);
 // Returns the design of a model that a node is of: the body, or the loose component that is named.
 // Fails as FindLoose; FAILED_PRECONDITION, MODEL_EMPTY, where there is no body.
 absl::StatusOr<OpenDesign*> FindDesign(OpenModel& model, const std::string& component);
+
+// Returns the design that each part of the body, as drawn, came with, as the component's id:
+// nothing for borrowed ones. It keeps what it needs of the model.
+DesignOf DesignsIn(const OpenModel& model);
 
 // Says that a loose component has been moved or resized since it snapped.
 void SetPlaced(OpenModel& model, const std::string& component);

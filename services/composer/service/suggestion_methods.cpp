@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
 #include "common/assembly/assembly_design.h"
 #include "common/assembly/sub_tree.h"
 #include "common/base/errors.h"
@@ -18,9 +19,13 @@
 #include "common/base/identifiers.h"
 #include "common/design/costs/design_bill.h"
 #include "common/design/template_validation.h"
+#include "common/files/axis_codec.h"
 #include "common/messages/vector_codec.h"
+#include "services/composer/model/quarter_turn.h"
 #include "services/composer/service/bundle_contents.h"
+#include "services/composer/service/connecting_sources.h"
 #include "services/composer/service/open_model.h"
+#include "services/composer/suggestions/patience.h"
 #include "services/composer/suggestions/suggest.h"
 #include "services/composer/suggestions/try_suggestion.h"
 
@@ -86,24 +91,6 @@ class Components {
     return known_.at({assembly, node})->price;
   }
 
-  // What becomes of a suggestion of one that Get has given.
-  SuggestionTrial Try(const Suggestion& suggestion, const Design& body,
-                      const std::vector<const CollectionConnection*>& others,
-                      const ConnectOptions& options) {
-    if (is_given_up_()) return {};
-    const std::string& assembly = suggestion.from->source;
-    const ConnectionOrigin& source = sources_.at(assembly);
-    Design dropped;
-    dropped.assembly = known_.at({assembly, suggestion.node})->assembly;
-    dropped.q = dropped.assembly->drawn();
-    MoveTo(suggestion.position, &dropped);
-    auto whole = drawings_.Parametrize(*source.drawing, "", is_given_up_);
-    if (!whole.ok()) return {};
-    Original original{assembly, {*std::move(whole), {}}, *source.connections};
-    original.design.q = original.design.assembly->drawn();
-    return TryComponent(body, dropped, suggestion.node, &original, others, options);
-  }
-
  private:
   absl::StatusOr<Component> Read(const std::string& assembly, const std::string& node) {
     const Drawing& drawing = *sources_.at(assembly).drawing;
@@ -139,6 +126,80 @@ class Components {
   std::map<std::pair<std::string, std::string>, absl::StatusOr<Component>> known_;
 };
 
+// Drops, snaps and connects what is suggested, as AddComponent, SnapComponent and ConnectComponent
+// would.
+class Trials {
+ public:
+  // All outlive it. `turns` are those of the model's components.
+  Trials(const Design& body, const Drawing& drawing, std::vector<Eigen::Matrix3d> turns,
+         const ConnectionOrigins& sources, const Composer& composer, const IsGivenUp& is_given_up)
+      : body_(body),
+        drawing_(drawing),
+        turns_(std::move(turns)),
+        sources_(sources),
+        composer_(composer),
+        is_given_up_(is_given_up) {}
+
+  // What becomes of it; it is not tried where it cannot be had, or nobody waits any more.
+  SuggestionTrial Try(const Suggestion& suggestion) {
+    absl::StatusOr<SuggestionTrial> trial = Made(suggestion);
+    return trial.ok() ? *std::move(trial) : SuggestionTrial();
+  }
+
+ private:
+  absl::StatusOr<SuggestionTrial> Made(const Suggestion& suggestion) {
+    ModelDrawings& drawings = composer_.drawings;
+    const Eigen::Matrix3d turn = TurnOf(suggestion.turns);
+    const std::string& source = suggestion.from->source;
+    OwnOrigin own;
+    MORTISE_ASSIGN_OR_RETURN(own.drawing, drawings.Turned(sources_.at(source).drawing, turn));
+    MORTISE_ASSIGN_OR_RETURN(own.connections, drawings.ConnectionsIn(*own.drawing));
+    Design dropped;
+    MORTISE_ASSIGN_OR_RETURN(dropped.assembly,
+                             drawings.Parametrize(*own.drawing, suggestion.node, is_given_up_));
+    dropped.q = dropped.assembly->drawn();
+    MoveTo(suggestion.position, &dropped);
+    Original original{source, {}, own.connections};
+    MORTISE_ASSIGN_OR_RETURN(original.design.assembly,
+                             drawings.Parametrize(*own.drawing, "", is_given_up_));
+    original.design.q = original.design.assembly->drawn();
+    MORTISE_ASSIGN_OR_RETURN(
+        const ConnectionOrigins others,
+        SourcesFor(sources_, With(turn), own, drawing_, composer_.collection, is_given_up_));
+    if (is_given_up_()) return SuggestionTrial();
+    return TryComponent(body_, dropped, suggestion.node, &original, ConnectionsIn(others),
+                        ConnectOptionsFor(drawing_, others));
+  }
+
+  // The turns of the model's components, and of one more.
+  std::vector<Eigen::Matrix3d> With(const Eigen::Matrix3d& turn) const {
+    std::vector<Eigen::Matrix3d> turns = turns_;
+    const bool is_new = std::find(turns.begin(), turns.end(), turn) == turns.end();
+    if (is_new && !turn.isIdentity(0)) turns.push_back(turn);
+    return turns;
+  }
+
+  const Design& body_;
+  const Drawing& drawing_;
+  const std::vector<Eigen::Matrix3d> turns_;
+  const ConnectionOrigins& sources_;
+  const Composer& composer_;
+  const IsGivenUp& is_given_up_;
+};
+
+// How pieces are turned before they are suggested: about the vertical, as people turn what they
+// place in a room, and as what the model has is turned.
+std::vector<Eigen::Matrix3d> TurnsToSuggest(const std::vector<Eigen::Matrix3d>& in_model) {
+  std::vector<Eigen::Matrix3d> turns;
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    turns.push_back(TurnOf(std::vector<Axis>(static_cast<std::size_t>(quarters), Axis::kZ)));
+  }
+  for (const Eigen::Matrix3d& turn : in_model) {
+    if (std::find(turns.begin(), turns.end(), turn) == turns.end()) turns.push_back(turn);
+  }
+  return turns;
+}
+
 SameMaterial SameMaterialBy(const ConnectOptions& options) {
   return [material_of = options.material_of](const std::string& item, const std::string& other) {
     if (item == other) return true;
@@ -164,6 +225,7 @@ v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOr
   message.set_template_(origin.template_name);
   message.set_template_revision(origin.template_revision);
   message.set_group(suggestion.node);
+  for (const Axis axis : suggestion.turns) message.add_turns(parametric::AxisToProto(axis));
   *message.mutable_position() = VectorToProto(suggestion.position);
   message.set_element(suggestion.element);
   message.set_element_there(suggestion.element_there);
@@ -189,7 +251,10 @@ v1::ComponentSuggestion ToProto(const Suggestion& suggestion, const ConnectionOr
 absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
     const Composer& composer, const rpc::Call& call, const v1::SuggestComponentsRequest& asked) {
   MORTISE_RETURN_IF_ERROR(CheckAsked(asked));
+  Patience patience(call.deadline(), [] { return absl::Now(); });
   const IsGivenUp is_given_up = [&call] { return call.cancelled(); };
+  // Looking and trying end in time to tell of what was found.
+  const IsGivenUp is_late = [&] { return call.cancelled() || patience.IsOver(); };
   MORTISE_ASSIGN_OR_RETURN(const StoredModel stored, ReadModel(*composer.store, asked.name()));
   MORTISE_ASSIGN_OR_RETURN(const OpenModel model, Open(stored, composer.drawings, is_given_up));
   if (!model.body) {
@@ -209,13 +274,18 @@ absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
   MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins sources,
                            composer.collection.All(rpc::ForwardedFrom(call), is_given_up));
   LeaveOutOtherItems(drawing->bundle, sources);
-  const ConnectOptions connecting = ConnectOptionsFor(*drawing, sources);
-  options.same_material = SameMaterialBy(connecting);
-  Components components(asked, sources, composer.drawings, is_given_up);
-  const std::vector<const CollectionConnection*> connections = ConnectionsIn(sources);
+  options.same_material = SameMaterialBy(ConnectOptionsFor(*drawing, sources));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3d> turns, TurnsIn(model));
+  options.turns = TurnsToSuggest(turns);
+  Components components(asked, sources, composer.drawings, is_late);
+  Trials trials(body, *drawing, turns, sources, composer, is_late);
+  options.has_time = [&] { return !call.cancelled() && patience.HasTimeForTrial(); };
   options.trial = [&](const Suggestion& suggestion) {
-    return components.Try(suggestion, body, connections, connecting);
+    SuggestionTrial trial;
+    patience.Try([&] { trial = trials.Try(suggestion); });
+    return trial;
   };
+  const std::vector<const CollectionConnection*> connections = ConnectionsIn(sources);
   const std::vector<Suggestion> found = Suggest(
       body, connections,
       [&](const std::string& assembly, const std::string& node) {

@@ -23,7 +23,7 @@ absl::Status Warn(const std::function<bool(const std::string&)>& is_of_interest,
                   const Drawing& drawing, OpenModel* model) {
   MORTISE_ASSIGN_OR_RETURN(const BundleContents contents, ContentsOf(drawing.bundle));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<UnheldParts> all,
-                           FindUnheldParts(model->body->design, contents.items));
+                           FindUnheldParts(model->body->design, contents.items, DesignsIn(*model)));
   std::erase_if(model->warnings, IsOfUnheld);
   for (const UnheldParts& unheld : all) {
     if (std::none_of(unheld.parts.begin(), unheld.parts.end(), is_of_interest)) continue;
@@ -51,7 +51,7 @@ absl::StatusOr<std::set<std::string>> UnheldByDesign(const OpenModel& model,
                                                      const Drawing& drawing) {
   MORTISE_ASSIGN_OR_RETURN(const BundleContents contents, ContentsOf(drawing.bundle));
   MORTISE_ASSIGN_OR_RETURN(const std::vector<UnheldParts> all,
-                           FindUnheldParts(model.body->design, contents.items));
+                           FindUnheldParts(model.body->design, contents.items, DesignsIn(model)));
   std::set<std::string> parts = AllPartsOf(all);
   for (const std::string& part : PartsWarnedOf(model)) parts.erase(part);
   return parts;

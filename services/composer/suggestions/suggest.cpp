@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
 #include "common/assembly/model/element.h"
 #include "services/composer/model/overlap.h"
 #include "services/composer/model/placed_forms.h"
+#include "services/composer/model/quarter_turn.h"
 
 namespace mortise::composer {
 namespace {
@@ -53,6 +55,24 @@ Eigen::Vector3d MoveTo(const BoundingBox& here, const BoundingBox& there,
   return move;
 }
 
+// The parts as they lie to a collection that is turned: turned back.
+std::vector<PrincipalPart> TurnedBack(std::vector<PrincipalPart> parts,
+                                      const Eigen::Matrix3d& turn) {
+  const Eigen::Matrix3d back = turn.transpose();
+  for (PrincipalPart& part : parts) {
+    part.box = Turned(part.box, back);
+    Eigen::Vector3d is_fixed;
+    for (int axis = 0; axis < 3; ++axis) {
+      is_fixed[axis] = part.is_fixed[static_cast<std::size_t>(axis)] ? 1 : 0;
+    }
+    is_fixed = back.cwiseAbs() * is_fixed;
+    for (int axis = 0; axis < 3; ++axis) {
+      part.is_fixed[static_cast<std::size_t>(axis)] = is_fixed[axis] > 0.5;
+    }
+  }
+  return parts;
+}
+
 // The name of the largest group that holds `part` and not `other`; that of the part where there is
 // none.
 std::string ComponentOf(const Assembly& assembly, const Element& part, const Element& other) {
@@ -74,6 +94,12 @@ struct Match {
   bool overlaps_there = false;  // it reaches into the part that holds it there, too
 };
 
+// What orders equal ones, so that the order of the collection does not.
+auto NamesOf(const Suggestion& suggestion) {
+  return std::tie(suggestion.from->source, suggestion.node, suggestion.element,
+                  suggestion.element_there, suggestion.partner);
+}
+
 class Search {
  public:
   Search(const Design& body, const SuggestOptions& options)
@@ -86,18 +112,23 @@ class Search {
 
   std::vector<Match> Matches(const std::vector<const CollectionConnection*>& connections) const {
     std::vector<Match> matches;
-    for (const CollectionConnection* const from : connections) {
-      const parametric::ElementConnection& connection = from->connection;
-      if (connection.connecting.empty()) continue;
-      for (int there = 0; there < connection.principal_count(); ++there) {
-        for (const PrincipalPart& here : parts_) AddMatches(*from, there, here, matches);
-      }
+    for (const Eigen::Matrix3d& turn : options_.turns) {
+      std::vector<Match> turned = MatchesTurned(connections, turn);
+      std::move(turned.begin(), turned.end(), std::back_inserter(matches));
     }
-    Rank(matches);
+    std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+      const Suggestion& x = a.suggestion;
+      const Suggestion& y = b.suggestion;
+      if (x.score != y.score) return x.score > y.score;
+      if (x.turns != y.turns) {
+        return std::pair(x.turns.size(), x.turns) < std::pair(y.turns.size(), y.turns);
+      }
+      return NamesOf(x) < NamesOf(y);
+    });
     return matches;
   }
 
-  // Whether a component may go where the match says, and where that is.
+  // Whether a component, turned already, may go where the match says, and where that is.
   bool Fits(const Assembly& component, Match& match) const {
     BoundingBox box = Moved(component.parts.front().box, match.move);
     for (const parametric::AssemblyPart& part : component.parts) {
@@ -112,6 +143,7 @@ class Search {
       }
     }
     match.suggestion.position << box.center().x(), box.center().y(), box.minimum.z();
+    match.suggestion.size = box.size();
     return true;
   }
 
@@ -122,8 +154,27 @@ class Search {
            other == match.suggestion.element;
   }
 
+  // The matches with the collection so turned, ranked among themselves.
+  std::vector<Match> MatchesTurned(const std::vector<const CollectionConnection*>& connections,
+                                   const Eigen::Matrix3d& turn) const {
+    const std::vector<PrincipalPart> parts = TurnedBack(parts_, turn);
+    std::vector<Match> matches;
+    for (const CollectionConnection* const from : connections) {
+      const parametric::ElementConnection& connection = from->connection;
+      if (connection.connecting.empty()) continue;
+      for (int there = 0; there < connection.principal_count(); ++there) {
+        for (const PrincipalPart& here : parts) AddMatches(*from, there, here, turn, matches);
+      }
+    }
+    const std::vector<Axis> turns = QuarterTurnsOf(turn);
+    for (Match& match : matches) match.suggestion.turns = turns;
+    Rank(matches);
+    return matches;
+  }
+
+  // `here` is turned back.
   void AddMatches(const CollectionConnection& from, int there, const PrincipalPart& here,
-                  std::vector<Match>& matches) const {
+                  const Eigen::Matrix3d& turn, std::vector<Match>& matches) const {
     if (!options_.near.empty() && !options_.near.contains(here.drawn_as)) return;
     const std::vector<Element>& elements = from.connection.elements;
     const Element& stands_for = elements[static_cast<std::size_t>(there)];
@@ -136,8 +187,9 @@ class Search {
       if (i == there) continue;
       const Element& partner = elements[static_cast<std::size_t>(i)];
       Match match;
-      match.move = MoveTo(here.box, stands_for.box, partner.box);
-      match.room = Moved(partner.box, match.move);
+      const Eigen::Vector3d move = MoveTo(here.box, stands_for.box, partner.box);
+      match.move = turn * move;
+      match.room = Turned(Moved(partner.box, move), turn);
       if (IsTaken(match.room)) continue;
       match.item = partner.item;
       match.overlaps_there = CommonDepth(stands_for.box, partner.box) > kMaxOverlap;
@@ -161,13 +213,7 @@ class Search {
     });
   }
 
-  // What orders equal ones, so that the order of the collection does not.
-  static auto NamesOf(const Suggestion& suggestion) {
-    return std::tie(suggestion.from->source, suggestion.node, suggestion.element,
-                    suggestion.element_there, suggestion.partner);
-  }
-
-  // Scores the matches, and puts the best first.
+  // Scores the matches, of many those that are most alike.
   void Rank(std::vector<Match>& matches) const {
     std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
       const Suggestion& x = a.suggestion;
@@ -191,12 +237,6 @@ class Search {
                          (1 + std::log2(suggestion.assemblies)) /
                          (1 + suggestion.distance / options_.half_distance);
     }
-    std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
-      const Suggestion& x = a.suggestion;
-      const Suggestion& y = b.suggestion;
-      if (x.score != y.score) return x.score > y.score;
-      return NamesOf(x) < NamesOf(y);
-    });
   }
 
   const SuggestOptions& options_;
@@ -204,12 +244,30 @@ class Search {
   std::vector<SolidPart> solids_;
 };
 
-// Whether the component is suggested for this place already.
-bool IsKnown(const std::vector<Suggestion>& known, const Suggestion& suggestion) {
-  return std::any_of(known.begin(), known.end(), [&](const Suggestion& other) {
-    return other.from->source == suggestion.from->source && other.node == suggestion.node &&
-           (other.position - suggestion.position).norm() <= kSamePlace;
+// Whether two suggestions are of the same component in the same room.
+bool AreInOneRoom(const Suggestion& a, const Suggestion& b) {
+  return a.from->source == b.from->source && a.node == b.node &&
+         (a.position - b.position).norm() <= kSamePlace && (a.size - b.size).norm() <= kSamePlace;
+}
+
+bool IsSuggested(const std::vector<Suggestion>& suggested, const Suggestion& suggestion) {
+  return std::any_of(suggested.begin(), suggested.end(),
+                     [&](const Suggestion& other) { return AreInOneRoom(other, suggestion); });
+}
+
+// Turned otherwise it may fit.
+bool IsRefused(const std::vector<Suggestion>& refused, const Suggestion& suggestion) {
+  return std::any_of(refused.begin(), refused.end(), [&](const Suggestion& other) {
+    return other.turns == suggestion.turns && AreInOneRoom(other, suggestion);
   });
+}
+
+// Whether the match's component can be had and may go there.
+bool Fits(const Search& search, const ComponentSource& components, Match& match) {
+  const auto component = components(match.suggestion.from->source, match.suggestion.node);
+  if (!component.ok()) return false;
+  if (match.suggestion.turns.empty()) return search.Fits(**component, match);
+  return search.Fits(Turned(**component, TurnOf(match.suggestion.turns)), match);
 }
 
 }  // namespace
@@ -234,12 +292,16 @@ std::vector<Suggestion> Suggest(const Design& body,
   int tried = 0;
   for (Match& match : search.Matches(connections)) {
     if (static_cast<int>(suggestions.size()) >= options.count) break;
-    const auto component = components(match.suggestion.from->source, match.suggestion.node);
-    if (!component.ok() || !search.Fits(**component, match)) continue;
-    if (IsKnown(suggestions, match.suggestion) || IsKnown(refused, match.suggestion)) continue;
+    if (!Fits(search, components, match)) continue;
+    if (IsSuggested(suggestions, match.suggestion) || IsRefused(refused, match.suggestion)) {
+      continue;
+    }
     if (options.trial) {
       SuggestionTrial& trial = match.suggestion.trial;
-      if (tried++ < options.most_tried) trial = options.trial(match.suggestion);
+      if (tried < options.most_tried && (!options.has_time || options.has_time())) {
+        ++tried;
+        trial = options.trial(match.suggestion);
+      }
       if (trial.outcome == SuggestionTrial::Outcome::kFitsNot) {
         refused.push_back(match.suggestion);
         continue;

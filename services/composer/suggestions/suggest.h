@@ -38,6 +38,9 @@ using TrySuggestion = std::function<SuggestionTrial(const Suggestion&)>;
 
 struct SuggestOptions {
   int count = 10;  // of suggestions
+  // How the collection's designs may be turned before they are looked at (quarter_turn.h), each
+  // once.
+  std::vector<Eigen::Matrix3d> turns = {Eigen::Matrix3d::Identity()};
   // Parts of the body, as they are drawn, that the new component is to be held by; any if empty.
   std::set<std::string> near = {};
   // m: how much a part of the collection may differ from the model's, in its sizes (PartDistance).
@@ -51,6 +54,9 @@ struct SuggestOptions {
   // time that it takes.
   TrySuggestion trial;
   int most_tried = 12;
+  // Whether there is time for one more trial; there is if it is null. What is not tried for lack of
+  // time is told of as such.
+  std::function<bool()> has_time = nullptr;
   // By which the score is multiplied of what is only held in part, and of what was not tried.
   double in_doubt = 0.5;
 };
@@ -59,7 +65,9 @@ struct SuggestOptions {
 struct Suggestion {
   const CollectionConnection* from = nullptr;  // that would hold it
   std::string node;                            // of the assembly that it is from: the component
+  std::vector<Axis> turns = {};                // quarter turns that it is turned by
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, of the middle of its box's lower side
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();      // m, of its box
   std::string element;                                 // part of the body that it would be held by
   std::string element_there;                           // the part that this one stands for
   std::string partner;                                 // the component's part that is held there
@@ -74,32 +82,34 @@ struct Suggestion {
 double PartDistance(const PrincipalPart& part, const parametric::Element& other,
                     double fixed_size_weight);
 
-// Returns the component of a node of an assembly by its name, as it is drawn; an error where it
-// cannot be used, or is not wanted: for its price, or what it is made of.
+// Returns the component of a node of an assembly by its name, as it is drawn, not turned; an error
+// where it cannot be used, or is not wanted: for its price, or what it is made of.
 using ComponentSource = std::function<absl::StatusOr<const parametric::Assembly*>(
     const std::string& assembly, const std::string& node)>;
 
-// Returns what might come next, the best first; of equal ones the first by assembly and node.
+// Returns what might come next, the best first; of equal ones the first by turns, assembly and
+// node.
 //
 // - Of each connection of the collection that has connecting parts, each principal is compared with
 //   each of the body's: of the same material, and alike in size. The other principals are put
 //   beside the body's part as they lie beside the one there, by the planes of the two that are
 //   nearest to each other along each axis. Where nothing of the body is in the way it may be what
-//   is missing.
+//   is missing. The same is done with all designs turned by each of `turns`.
 // - The component is all that is grouped with it there and not with the part that it is held by:
 //   the largest such group; where there is none, it is the part alone.
 // - The score is (1 + log2 held_by) · (1 + log2 assemblies) / (1 + distance / half_distance). Of
-//   all that is found, so many parts of the body hold, and so many assemblies have, a part of that
-//   material in about that place: with half of both boxes in common. So what closes a gap comes
-//   before what would hang on one side.
+//   all that is found so turned, so many parts of the body hold, and so many assemblies have, a
+//   part of that material in about that place: with half of both boxes in common. So what closes a
+//   gap comes before what would hang on one side. Of equal scores what is turned less comes first.
 // - A component is left out that reaches into the body by more than 0.1 mm, or that `components`
-//   gives none of. Of the same component in the same place within 10 mm only the best is told.
+//   gives none of. Of the same component in the same room, its place and size within 10 mm, only
+//   the best is told, however it is turned.
+// - The first are tried, while there is time. What cannot be connected is left out; what is held in
+//   part, or was not tried, scores less.
 //
-// - The first are tried. What cannot be connected is left out; what is held in part, or was not
-//   tried, scores less.
-//
-// It is deterministic, whatever the order of the connections. Of many the 1000 that are most alike
-// are looked at. O(connections · parts), and what is asked of `components` for the best.
+// It is deterministic, whatever the order of the connections, but for `has_time`. Of many the 1000
+// that are most alike are looked at of each turn. O(turns · connections · parts), and what is asked
+// of `components` for the best.
 std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
                                 const ComponentSource& components, const SuggestOptions& options);

@@ -120,6 +120,28 @@ TEST_F(ComposerCheckTest, WhatIsToMoveAndIsHeldByNothingIsSaidEverywhere) {
   EXPECT_EQ(after->warnings_size(), 2);
 }
 
+// What its design screws is called a drawer: it is screwed here as there, and neither connecting
+// nor the check takes it for one.
+TEST_F(ComposerCheckTest, WhatItsDesignFastensIsNoDrawerByItsName) {
+  v1::Model model = house_->New("named");
+  model = house_->Add(model, "bookshelf", "", "shelves").value_or(model);
+  const auto without = house_->Remove(model, "shelf 3");
+  ASSERT_TRUE(without.ok()) << without.status();
+  const auto added = house_->Add(*without, "bookshelf", "shelf 3", "drawer");
+  ASSERT_TRUE(added.ok()) << added.status();
+  const auto connected = house_->Connect(*added, "drawer");
+  ASSERT_TRUE(connected.ok()) << connected.status();
+  EXPECT_EQ(ComponentOf(*connected, "drawer").node(), "drawer");
+  for (const v1::ModelWarning& warning : connected->warnings()) {
+    EXPECT_THAT(warning.text(), Not(HasSubstr("move"))) << warning.ShortDebugString();
+  }
+  const auto check = Check(model.name());
+  ASSERT_TRUE(check.ok()) << check.status();
+  for (const v1::CheckFinding& finding : check->findings()) {
+    EXPECT_NE(finding.rule(), "cannot-move") << finding.text();
+  }
+}
+
 // A template that is saved with its loads can be evaluated with them.
 TEST_F(ComposerCheckTest, IsSavedWithSupportsAndLoads) {
   v1::Model model = house_->New("loaded");

@@ -120,6 +120,40 @@ TEST_F(ComposerSuggestionsTest, TheTopOfATableIsSuggestedForItsFrame) {
   EXPECT_THAT(ComponentOf(*connected, "suggested").connections(), Not(IsEmpty()));
 }
 
+// The frame of a table turned by a quarter: its top is, too.
+TEST_F(ComposerSuggestionsTest, WhatFitsOnlyTurnedIsSuggestedTurned) {
+  v1::AddComponentRequest add;
+  add.set_template_("templates/dining-table");
+  add.set_group("frame");
+  add.set_component_id("frame");
+  add.add_turns(v1::Z);
+  const auto frame = house_->Change(&Stub::AddComponent, house_->New("turned"), add);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  v1::SuggestComponentsRequest request;
+  request.set_name(frame->name());
+  const auto found = Suggest(request);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_THAT(found->suggestions(), Not(IsEmpty()));
+  const v1::ComponentSuggestion& best = found->suggestions(0);
+  EXPECT_EQ(best.group(), "top");
+  EXPECT_THAT(best.turns(), Not(IsEmpty()));
+  EXPECT_EQ(best.trial(), v1::ComponentSuggestion::FITS);
+  add.Clear();
+  add.set_template_(best.template_());
+  add.set_template_revision(best.template_revision());
+  add.set_group(best.group());
+  *add.mutable_position() = best.position();
+  *add.mutable_turns() = best.turns();
+  add.set_component_id("top");
+  const auto added = house_->Change(&Stub::AddComponent, *frame, add);
+  ASSERT_TRUE(added.ok()) << added.status();
+  const auto snapped = house_->Snap(*added, "top");
+  ASSERT_TRUE(snapped.ok()) << snapped.status();
+  const auto connected = house_->Connect(*snapped, "top");
+  ASSERT_TRUE(connected.ok()) << connected.status();
+  EXPECT_THAT(connected->warnings(), IsEmpty());
+}
+
 TEST_F(ComposerSuggestionsTest, KeepsToThePriceAndWhatIsAtHand) {
   const auto all = Suggest({});
   ASSERT_TRUE(all.ok()) << all.status();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,10 @@ inline const std::vector<CollectionConnection>& ShippedConnections(const std::st
 }
 
 inline Original ShippedOriginal(const std::string& id) {
-  return {"assemblies/" + id, ShippedDesign(id), ShippedConnections(id)};
+  // They are kept for ever.
+  return {"assemblies/" + id, ShippedDesign(id),
+          std::shared_ptr<const std::vector<CollectionConnection>>(
+              std::shared_ptr<const void>(), &ShippedConnections(id))};
 }
 
 // The connections of all designs that ship.
@@ -75,6 +79,17 @@ inline ConnectOptions ShippedOptions() {
   options.material_of = [](const std::string& item) {
     const auto found = materials->find(item);
     return found == materials->end() ? std::string() : found->second;
+  };
+  static const auto* const kinds = [] {
+    auto* const by_item = new std::map<std::string, parametric::ItemKind>();
+    for (const parametric::Item& one : parametric::ShippedItems()) {
+      by_item->emplace(one.name, one.kind);
+    }
+    return by_item;
+  }();
+  options.item_kind_of = [](const std::string& item) {
+    const auto found = kinds->find(item);
+    return found == kinds->end() ? std::nullopt : std::optional(found->second);
   };
   return options;
 }

@@ -136,6 +136,7 @@ TEST_P(FitProgrammeTest, NoDesignThatTheConnectionAllowsIsNearer) {
   const Design piece = ShippedComponent(GetParam().id, GetParam().node);
   std::mt19937_64 random(53);
   int fitted = 0, compared = 0;
+  const FitSpaces spaces = FitSpacesOf(SidesOf(rest, piece));
   for (int drop = 0; drop < 12; ++drop) {
     const BothSides now =
         SidesOf(Disturbed(rest, 0.03, 0, random), Disturbed(piece, 0.1, 0.006, random));
@@ -143,7 +144,7 @@ TEST_P(FitProgrammeTest, NoDesignThatTheConnectionAllowsIsNearer) {
     ASSERT_THAT(candidates, ::testing::Not(::testing::IsEmpty()));
     const Candidate& candidate = candidates[random() % candidates.size()];
     SCOPED_TRACE(candidate.from->connection.name);
-    const absl::StatusOr<FittedSides> best = FitSides(now, {candidate}, kHold);
+    const absl::StatusOr<FittedSides> best = FitSides(now, spaces, {candidate}, kHold);
     if (!best.ok()) {
       EXPECT_EQ(DetailOf(best.status()).reason, "CONNECTION_CONFLICT");
       continue;
@@ -155,7 +156,7 @@ TEST_P(FitProgrammeTest, NoDesignThatTheConnectionAllowsIsNearer) {
       // Other designs that the connection allows: nearest to other ones.
       const BothSides other = SidesOf(Disturbed(best->sides.body, 0.02, 0, random),
                                       Disturbed(best->sides.component, 0.05, 0.003, random));
-      const absl::StatusOr<FittedSides> allowed = FitSides(other, {candidate}, kHold);
+      const absl::StatusOr<FittedSides> allowed = FitSides(other, spaces, {candidate}, kHold);
       if (!allowed.ok() || !MeetAlike(now.BoxesOf(candidate), allowed->sides.BoxesOf(candidate))) {
         continue;
       }
@@ -172,9 +173,10 @@ TEST_P(FitProgrammeTest, NoDesignThatTheConnectionAllowsIsNearer) {
 TEST_P(FitProgrammeTest, WhatIsConnectedAsDrawnDoesNotMove) {
   const BothSides now =
       SidesOf(RestOf(GetParam()), ShippedComponent(GetParam().id, GetParam().node));
+  const FitSpaces spaces = FitSpacesOf(now);
   for (const Candidate& candidate : CandidatesOf(GetParam(), now)) {
     SCOPED_TRACE(candidate.from->connection.name);
-    ASSERT_OK_AND_ASSIGN(const FittedSides fitted, FitSides(now, {candidate}, kHold));
+    ASSERT_OK_AND_ASSIGN(const FittedSides fitted, FitSides(now, spaces, {candidate}, kHold));
     EXPECT_LE(fitted.moved_by, 1e-7);
   }
 }

@@ -5,8 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <set>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "common/assembly/connections/connection_optimizer.h"
+#include "common/assembly/model/rest_pose.h"
 #include "services/composer/connecting/component_motion.h"
 #include "services/composer/model/removal.h"
 #include "tests/support/status_assertions.h"
@@ -53,15 +60,18 @@ TEST(MotionsTest, ConnectionsAllowOneMotion) {
   for (const CollectionConnection& one : ShippedConnections("cabinet")) {
     if (one.connection.connecting.empty()) continue;
     const int last = one.connection.principal_count() - 1;
+    const AllowedMotion there =
+        AllowedMotionOf(one.connection, 0, last, ShippedOptions().item_kind_of);
+    const AllowedMotion back =
+        AllowedMotionOf(one.connection, last, 0, ShippedOptions().item_kind_of);
     const auto allows = [&](const WantedMotion& wanted) {
-      return Allows(one.connection, 0, last, wanted) || Allows(one.connection, last, 0, wanted);
+      return Allows(there, wanted) || Allows(back, wanted);
     };
     const bool is_slide = allows({true, JointKind::kPrismatic});
     const bool is_hinge = allows({true, JointKind::kHinge});
     EXPECT_EQ(is_slide + is_hinge + allows({}), 1) << one.connection.name;
     EXPECT_EQ(allows({true, std::nullopt}), is_slide || is_hinge);
-    EXPECT_FALSE(Allows(one.connection, 0, last, {true, std::nullopt}) &&
-                 Allows(one.connection, last, 0, {true, std::nullopt}))
+    EXPECT_FALSE(Allows(there, {true, std::nullopt}) && Allows(back, {true, std::nullopt}))
         << one.connection.name;
     slides += is_slide;
     hinges += is_hinge;
@@ -145,7 +155,7 @@ TEST(MotionsTest, WhatIsNotIsHeldFirmly) {
   }
 }
 
-// What its design screws is screwed here, too, by the same screws.
+// What its design screws is screwed here, too, by the same screws, and nobody warns of that.
 TEST(MotionsTest, AShelfThatIsCalledADrawerIsAShelf) {
   ASSERT_OK_AND_ASSIGN(const Design bookshelf, Without("bookshelf", "shelf 3"));
   const Design shelf = ShippedComponent("bookshelf", "shelf 3");
@@ -153,6 +163,99 @@ TEST(MotionsTest, AShelfThatIsCalledADrawerIsAShelf) {
   ASSERT_OK_AND_ASSIGN(const Connected made, ConnectAs("drawer", bookshelf, shelf, &original));
   EXPECT_EQ(FastenedConnections(made), 2);
   EXPECT_THAT(made.warnings, IsEmpty());
+}
+
+// A design whose hinges are drawn, and no joint.
+parametric::Assembly WithoutJoints(const std::string& id) {
+  parametric::Assembly drawn = ShippedDesign(id).assembly->assembly();
+  drawn.joints.clear();
+  return drawn;
+}
+
+Original OriginalOf(const parametric::Assembly& drawn) {
+  return {drawn.name, AsDrawn(drawn).value(),
+          std::make_shared<const std::vector<CollectionConnection>>(
+              ConnectionsOf(drawn.name, drawn).value())};
+}
+
+// Hinges are nothing that holds a door firmly.
+TEST(MotionsTest, ADoorOnHingesWithoutAJointIsToMove) {
+  const parametric::Assembly drawn = WithoutJoints("cabinet");
+  const Original original = OriginalOf(drawn);
+  ASSERT_OK_AND_ASSIGN(const Design door,
+                       AsDrawn(parametric::SubTreeOf(drawn, "left door").value()));
+  ASSERT_OK_AND_ASSIGN(const Design cabinet, Without("cabinet", "left door"));
+  const ComponentMotion motion(SidesOf(cabinet, door), "my-door", &original,
+                               ShippedOptions().item_kind_of);
+  EXPECT_TRUE(motion.wanted().moves);
+  // Without kinds of items they may be brackets.
+  EXPECT_FALSE(
+      ComponentMotion(SidesOf(cabinet, door), "my-door", &original, nullptr).wanted().moves);
+  ASSERT_OK_AND_ASSIGN(const Connected made, ConnectAs("my-door", cabinet, door, &original));
+  EXPECT_EQ(FastenedConnections(made), 1);
+  EXPECT_THAT(made.warnings, IsEmpty());
+}
+
+// The connection of a design that holds those two parts, with connecting parts.
+const CollectionConnection& Holding(const std::string& id, const std::string& first,
+                                    const std::string& second) {
+  for (const CollectionConnection& one : ShippedConnections(id)) {
+    const std::vector<std::string> names = one.Principals();
+    const std::set<std::string> principals(names.begin(), names.end());
+    if (principals == std::set<std::string>{first, second} && !one.connection.connecting.empty()) {
+      return one;
+    }
+  }
+  throw std::invalid_argument(first + " and " + second);
+}
+
+// Whatever design hinges are of: their axis is that of the ones before.
+TEST(MotionsTest, AllHingesTurnAboutOneAxis) {
+  const CollectionConnection& hinges = Holding("cabinet", "side 1", "left door");
+  ASSERT_OK_AND_ASSIGN(const Design cabinet, Without("cabinet", "left door"));
+  const BothSides sides = SidesOf(cabinet, ShippedComponent("cabinet", "left door"));
+  const Original original = ShippedOriginal("cabinet");
+  ComponentMotion motion(sides, "left-door", &original, ShippedOptions().item_kind_of);
+  Candidate candidate{&hinges, {}};
+  for (const std::string& name : hinges.Principals()) {
+    const bool is_door = name == "left door";
+    candidate.principals.push_back(
+        {is_door, IndexOf(is_door ? sides.component_parts : sides.body_parts, name)});
+  }
+  const parametric::ConnectionOptimizer optimizer(hinges.connection);
+  ASSERT_OK_AND_ASSIGN(parametric::OptimizedConnection placed,
+                       optimizer.Optimize(sides.BoxesOf(candidate)));
+  EXPECT_EQ(motion.WhyNotHeld(candidate, sides), "");
+  EXPECT_EQ(motion.WhyNotMoved(candidate, placed), "");
+  motion.Take(candidate, placed);
+  EXPECT_TRUE(motion.IsLetMove());
+  EXPECT_EQ(motion.WhyNotMoved(candidate, placed), "");
+  const int center = parametric::JointVariable(hinges.connection.elements.size(), 0, Axis::kX);
+  placed.q[center] += 0.01;
+  EXPECT_THAT(motion.WhyNotMoved(candidate, placed), HasSubstr("in another way"));
+}
+
+// A board that its design screws to a side and a door's leaf at once, as if that were no door.
+TEST(MotionsTest, NoConnectionFastensWhatMovesToWhatStays) {
+  const BothSides sides =
+      SidesOf(ShippedDesign("cabinet"), ShippedComponent("bookshelf", "shelf 3"));
+  CollectionConnection screws = Holding("bookshelf", "side 1", "shelf 3");
+  const int side = IndexOf(sides.body_parts, "side 1");
+  const int door = IndexOf(sides.body_parts, "left door");
+  const bool shelf_is_first = screws.Principals().front() == "shelf 3";
+  const auto bound = [&](int part) {
+    Candidate candidate{&screws, {{false, part}, {true, 0}}};
+    if (shelf_is_first) std::swap(candidate.principals[0], candidate.principals[1]);
+    return candidate;
+  };
+  const Original original = ShippedOriginal("bookshelf");  // which the screws are of
+  ComponentMotion motion(sides, "shelf", &original, ShippedOptions().item_kind_of);
+  EXPECT_EQ(motion.WhyNotHeld(bound(side), sides), "");
+  EXPECT_EQ(motion.WhyNotHeld(bound(door), sides), "");
+  motion.Take(bound(side), {});
+  EXPECT_EQ(motion.WhyNotHeld(bound(side), sides), "");
+  EXPECT_THAT(motion.WhyNotHeld(bound(door), sides),
+              HasSubstr("it would hold 'shelf 3' fast to 'left door'"));
 }
 
 // Guides hold it by nothing but their place.
@@ -169,15 +272,32 @@ TEST(MotionsTest, ADoorBetweenGuidesTakesItsJointAlong) {
   EXPECT_EQ(assembly.groups[static_cast<std::size_t>(assembly.joints[1].group)].name, "pop-door");
 }
 
+// Beside one strip it would fall out.
+TEST(MotionsTest, ADoorWithoutAllOfItsGuidesHasNoJoint) {
+  const Design door = ShippedComponent("chicken_coop", "pop door");
+  const Original original = ShippedOriginal("chicken_coop");
+  for (const char* const guide : {"guide front", "guide rear"}) {
+    ASSERT_OK_AND_ASSIGN(Design coop, Without("chicken_coop", "pop door"));
+    ASSERT_OK_AND_ASSIGN(parametric::Assembly rest, WithoutNode(coop, guide));
+    ASSERT_OK_AND_ASSIGN(coop, AsDrawn(std::move(rest)));
+    ASSERT_OK_AND_ASSIGN(const Connected made, ConnectAs("pop-door", coop, door, &original));
+    EXPECT_THAT(made.model.assembly->assembly().joints, SizeIs(1));  // of the other door
+    ASSERT_THAT(made.warnings, SizeIs(1));
+    EXPECT_THAT(made.warnings[0].text,
+                HasSubstr("'pop-door' is to slide by 'pop door', and nothing lets it"));
+  }
+}
+
 // Drawers and a door on tables: screws between such boards are in the collection, and would hold
 // them fast.
 TEST(MotionsTest, WhatIsToMoveIsNotScrewedFast) {
   struct Scene {
-    const char *body, *from, *node, *verb;
+    const char *body, *from, *node, *verb, *joint;
   };
-  for (const Scene& scene : {Scene{"dining_table", "cabinet", "left drawer", "slide"},
-                             Scene{"dining_table", "cabinet", "left door", "turn"},
-                             Scene{"workbench", "tool_cart", "drawer", "slide"}}) {
+  for (const Scene& scene :
+       {Scene{"dining_table", "cabinet", "left drawer", "slide", "left drawer slide"},
+        Scene{"dining_table", "cabinet", "left door", "turn", "left door hinge"},
+        Scene{"workbench", "tool_cart", "drawer", "slide", "drawer slide"}}) {
     SCOPED_TRACE(std::string(scene.body) + " " + scene.node);
     const Design& body = ShippedDesign(scene.body);
     const parametric::BoundingBox box = BoundsOf(body);
@@ -189,7 +309,8 @@ TEST(MotionsTest, WhatIsToMoveIsNotScrewedFast) {
     ASSERT_OK_AND_ASSIGN(const Connected made, ConnectAs("piece", body, dropped, &original));
     EXPECT_EQ(FastenedConnections(made), 0);
     ASSERT_THAT(made.warnings, SizeIs(1));
-    EXPECT_THAT(made.warnings[0].text, HasSubstr("'piece' is to " + std::string(scene.verb)));
+    EXPECT_THAT(made.warnings[0].text, HasSubstr("'piece' is to " + std::string(scene.verb) +
+                                                 " by '" + std::string(scene.joint) + "'"));
     EXPECT_LT(made.warnings[0].text.size(), 400U);
   }
 }

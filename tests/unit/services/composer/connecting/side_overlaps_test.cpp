@@ -27,8 +27,12 @@ BothSides ShelfInBoard(double depth) {
   return SidesOf(OneBoard("board"), shelf);
 }
 
+std::vector<SideOverlap> OverlapsIn(const BothSides& sides) {
+  return OverlapsBetween(SolidsOf(sides.body), SolidsOf(sides.component));
+}
+
 TEST(SideOverlaps, AreAsDeepAsTheyReachIntoEachOther) {
-  const std::vector<SideOverlap> overlaps = OverlapsBetween(ShelfInBoard(0.004), {});
+  const std::vector<SideOverlap> overlaps = OverlapsIn(ShelfInBoard(0.004));
   ASSERT_THAT(overlaps, SizeIs(1));
   EXPECT_EQ(overlaps[0].body, "board");
   EXPECT_EQ(overlaps[0].component, "shelf");
@@ -37,15 +41,15 @@ TEST(SideOverlaps, AreAsDeepAsTheyReachIntoEachOther) {
 }
 
 TEST(SideOverlaps, AreNoneOfWhatTouchesOrIsApart) {
-  EXPECT_THAT(OverlapsBetween(ShelfInBoard(0), {}), IsEmpty());
-  EXPECT_THAT(OverlapsBetween(ShelfInBoard(kMaxOverlap / 2), {}), IsEmpty());
-  EXPECT_THAT(OverlapsBetween(ShelfInBoard(-0.1), {}), IsEmpty());
+  EXPECT_THAT(OverlapsIn(ShelfInBoard(0)), IsEmpty());
+  EXPECT_THAT(OverlapsIn(ShelfInBoard(kMaxOverlap / 2)), IsEmpty());
+  EXPECT_THAT(OverlapsIn(ShelfInBoard(-0.1)), IsEmpty());
 }
 
 TEST(SideOverlaps, AreNewWhereTheyWereNotOrGetDeeper) {
-  const auto none = OverlapsBetween(ShelfInBoard(0), {});
-  const auto before = OverlapsBetween(ShelfInBoard(0.004), {});
-  const auto deeper = OverlapsBetween(ShelfInBoard(0.005), {});
+  const auto none = OverlapsIn(ShelfInBoard(0));
+  const auto before = OverlapsIn(ShelfInBoard(0.004));
+  const auto deeper = OverlapsIn(ShelfInBoard(0.005));
   EXPECT_THAT(NewOverlaps(none, before), SizeIs(1));
   EXPECT_THAT(NewOverlaps(before, deeper), SizeIs(1));
   EXPECT_THAT(NewOverlaps(before, before), IsEmpty());

@@ -61,7 +61,8 @@ TEST(MotionRulesTest, AScrewThroughAHingedBoardIsAFault) {
   EXPECT_EQ(found[0].rule, kScrewedFast);
   EXPECT_EQ(found[0].severity, Severity::kFault);
   EXPECT_THAT(found[0].parts, ElementsAre("board"));
-  EXPECT_THAT(found[0].text, HasSubstr("'screw 1', 'screw 2' hold it fast to 'box'"));
+  EXPECT_EQ(found[0].text,
+            "'board' is to turn by 'joint', but 'screw 1', 'screw 2' hold it fast to 'box'");
 }
 
 // An axle, and what a slide runs along.
@@ -98,9 +99,27 @@ TEST(MotionRulesTest, WhatIsCalledALidIsToMove) {
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].rule, kCannotMove);
   EXPECT_EQ(found[0].severity, Severity::kWarning);
-  EXPECT_THAT(found[0].text, HasSubstr("'lid'"));
+  EXPECT_EQ(found[0].text,
+            "'board' is to move by the name of 'lid', and no joint lets it, but 'screw' holds it "
+            "fast to 'box'");
   EXPECT_THAT(JudgeMotion(Box("top", false), screwed), IsEmpty());
   EXPECT_THAT(JudgeMotion(Box("lid", false), {Held({})}), IsEmpty());
+}
+
+// As connecting has it: what its own design fastens stays so.
+TEST(MotionRulesTest, WhatItsOwnDesignFastensStaysSo) {
+  const std::vector<Joint> screwed{Held({Upright("screw", FastenerKind::kScrew, 0.1, 0.1)})};
+  const auto judged = [&](const std::string& design_of_screw) {
+    return JudgeMotion(Box("lid", false), screwed, [&](const std::string& part) {
+      return part == "board" ? "shelf" : part == "screw" ? design_of_screw : "case";
+    });
+  };
+  EXPECT_THAT(judged("shelf"), IsEmpty());
+  EXPECT_THAT(judged("case"), SizeIs(1));
+  EXPECT_THAT(judged(""), SizeIs(1));  // of a connection of another design
+  // A joint says that it moves, whatever its design fastens.
+  EXPECT_THAT(JudgeMotion(Box("lid", true), screwed, [](const std::string&) { return "one"; }),
+              SizeIs(1));
 }
 
 // That something else has a joint makes no difference to it.
@@ -119,7 +138,7 @@ TEST(MotionRulesTest, ALidBesideADoorIsToMove) {
   const auto found = JudgeMotion(box, {held});
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].rule, kCannotMove);
-  EXPECT_THAT(found[0].text, HasSubstr("'lid'"));
+  EXPECT_THAT(found[0].text, HasSubstr("'lid' is to move by its name, and no joint lets it"));
 }
 
 // Experts drew them: all that is to move can.

@@ -39,5 +39,12 @@ TEST(OverlapTest, ShapesByWhatTheyFill) {
   }
 }
 
+TEST(OverlapTest, LengthsForPeopleAreRounded) {
+  EXPECT_EQ(Millimetres(0.00325), "3.25 mm");
+  EXPECT_EQ(Millimetres(0.004 + 1e-12), "4 mm");
+  EXPECT_EQ(Millimetres(0.0123456), "12.35 mm");
+  EXPECT_EQ(Millimetres(0), "0 mm");
+}
+
 }  // namespace
 }  // namespace mortise::composer

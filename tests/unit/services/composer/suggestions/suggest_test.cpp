@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "services/composer/model/overlap.h"
+#include "services/composer/model/quarter_turn.h"
 #include "services/composer/snapping/snap.h"
 #include "services/composer/suggestions/try_suggestion.h"
 #include "tests/support/status_assertions.h"
@@ -203,7 +204,115 @@ TEST(SuggestTest, WhatWasTriedIsSaid) {
   for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
 }
 
-// What is said to fit can be connected, and nothing is warned of.
+// What there is no time for is told of, and said not to be tried.
+TEST(SuggestTest, TrialsEndWithTheTime) {
+  using Outcome = SuggestionTrial::Outcome;
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto connections = ConnectionsOfAll(SomeDesigns());
+  SuggestOptions options = Options();
+  int tried = 0;
+  options.trial = [&](const Suggestion&) -> SuggestionTrial {
+    ++tried;
+    return {Outcome::kFits, ""};
+  };
+  const auto all = Suggest(frame, connections, ShippedSubTree, options);
+  ASSERT_GE(all.size(), 4U);
+  const int all_tried = std::exchange(tried, 0);
+  options.has_time = [&] { return tried < 2; };
+  const auto some = Suggest(frame, connections, ShippedSubTree, options);
+  EXPECT_EQ(tried, 2);
+  EXPECT_EQ(some.size(), all.size());
+  const auto not_tried = [](const std::vector<Suggestion>& of) {
+    return std::count_if(of.begin(), of.end(), [](const Suggestion& each) {
+      return each.trial.outcome == Outcome::kNotTried;
+    });
+  };
+  EXPECT_EQ(not_tried(some), static_cast<std::ptrdiff_t>(some.size()) - 2);
+  // With time enough, as without a bound.
+  options.has_time = [] { return true; };
+  tried = 0;
+  const auto again = Suggest(frame, connections, ShippedSubTree, options);
+  EXPECT_EQ(tried, all_tried);
+  ASSERT_EQ(again.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(again[i].node, all[i].node);
+}
+
+std::vector<Eigen::Matrix3d> QuartersAboutTheVertical() {
+  std::vector<Eigen::Matrix3d> turns;
+  for (std::size_t quarters = 0; quarters < 4; ++quarters) {
+    turns.push_back(TurnOf(std::vector<Axis>(quarters, Axis::kZ)));
+  }
+  return turns;
+}
+
+// A design of what ships, turned.
+Original TurnedOriginal(const std::string& id, const std::vector<Axis>& turns) {
+  Original original = ShippedOriginal(id);
+  if (turns.empty()) return original;
+  const Assembly turned = Turned(original.design.assembly->assembly(), TurnOf(turns));
+  original.design = AsDrawn(turned).value();
+  original.connections = std::make_shared<const std::vector<CollectionConnection>>(
+      ConnectionsOf(original.source, turned).value());
+  return original;
+}
+
+// A frame that stands along y: the top of one that stands along x goes on it when it is turned.
+TEST(SuggestTest, WhatFitsOnlyTurnedIsTurned) {
+  const Assembly drawn = ShippedComponent("dining_table", "frame").assembly->assembly();
+  const auto connections = ConnectionsOfAll({"dining_table"});
+  for (const std::vector<Axis>& turned :
+       {std::vector<Axis>{Axis::kZ}, std::vector<Axis>(3, Axis::kZ)}) {
+    ASSERT_OK_AND_ASSIGN(const Design frame, AsDrawn(Turned(drawn, TurnOf(turned))));
+    SuggestOptions options = Options();
+    options.trial = [&](const Suggestion& suggestion) {
+      const Original original = TurnedOriginal("dining_table", suggestion.turns);
+      Design dropped =
+          AsDrawn(
+              parametric::SubTreeOf(original.design.assembly->assembly(), suggestion.node).value())
+              .value();
+      const parametric::BoundingBox box = BoundsOf(dropped);
+      dropped.shift += suggestion.position -
+                       Eigen::Vector3d(box.center().x(), box.center().y(), box.minimum.z());
+      EXPECT_LT((BoundsOf(dropped).size() - suggestion.size).norm(), 1e-9);
+      return TryComponent(frame, dropped, suggestion.node, &original, AllShippedConnections(),
+                          ShippedOptions());
+    };
+    EXPECT_THAT(Suggest(frame, connections, ShippedSubTree, options),
+                Not(Contains(Field(&Suggestion::node, "top"))));
+    options.turns = QuartersAboutTheVertical();
+    const auto found = Suggest(frame, connections, ShippedSubTree, options);
+    ASSERT_THAT(found, Not(IsEmpty()));
+    EXPECT_EQ(found[0].node, "top");
+    EXPECT_EQ(found[0].turns.size() % 2, 1U);
+    EXPECT_EQ(found[0].distance, 0);
+    EXPECT_EQ(found[0].held_by, 2);
+    EXPECT_EQ(found[0].trial.outcome, SuggestionTrial::Outcome::kFits) << found[0].trial.text;
+    const parametric::BoundingBox below = BoundsOf(frame);
+    EXPECT_NEAR(found[0].position.z(), below.maximum.z(), 1e-9);
+    EXPECT_LT((found[0].position - below.center()).head<2>().norm(), 1e-9);
+  }
+}
+
+// What can be had as it is drawn is suggested so, and not four times.
+TEST(SuggestTest, WhatFitsAsItIsDrawnIsNotTurned) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto connections = ConnectionsOfAll({"dining_table"});
+  SuggestOptions options = Options();
+  const auto drawn = Suggest(frame, connections, ShippedSubTree, options);
+  options.turns = QuartersAboutTheVertical();
+  const auto found = Suggest(frame, connections, ShippedSubTree, options);
+  ASSERT_THAT(found, Not(IsEmpty()));
+  EXPECT_EQ(found[0].node, drawn[0].node);
+  EXPECT_THAT(found[0].turns, IsEmpty());
+  EXPECT_EQ(found[0].score, drawn[0].score);
+  const auto in_its_place = std::count_if(found.begin(), found.end(), [&](const auto& each) {
+    return each.node == found[0].node && (each.position - found[0].position).norm() < 0.01 &&
+           (each.size - found[0].size).norm() < 0.01;
+  });
+  EXPECT_EQ(in_its_place, 1);
+}
+
+// What is said to fit can be connected, and of all pairs none lacks a connection.
 TEST(SuggestTest, WhatFitsCanBeConnected) {
   const auto all = AllShippedConnections();
   const auto dropped = [](const Suggestion& suggestion) {
