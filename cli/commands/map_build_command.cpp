@@ -37,6 +37,7 @@ struct BuildOptions {
   std::string subject;
   std::vector<std::string> metrics;
   std::vector<std::string> noise;
+  bool exact_evaluations = false;
   MetricDefinitionFlags own;
   std::vector<std::string> vary;
   std::vector<std::string> fix;
@@ -46,7 +47,7 @@ struct BuildOptions {
   double seconds = 0;
   int structures = 0;
   std::string shape;
-  double shape_noise = 0;
+  std::optional<double> shape_noise;
   std::vector<std::string> fields;
   std::vector<std::string> field_noise;
   std::vector<std::string> regions;
@@ -182,11 +183,11 @@ absl::Status AddFieldNoise(const std::string& text, v1::MapSpecification::ShapeC
 absl::Status AddShape(const BuildOptions& options, v1::MapSpecification& specification) {
   const bool is_wanted = !options.shape.empty() || !options.fields.empty() ||
                          !options.field_noise.empty() || !options.regions.empty() ||
-                         options.shape_noise != 0 || options.modes != 0;
+                         options.shape_noise.has_value() || options.modes != 0;
   if (!is_wanted) return absl::OkStatus();
   v1::MapSpecification::ShapeChoice& shape = *specification.mutable_shape();
   shape.set_geometry(options.shape == "surface" ? v1::SURFACE : v1::TETRAHEDRA);
-  shape.set_noise_floor(options.shape_noise);
+  if (options.shape_noise) shape.set_noise_floor(*options.shape_noise);
   shape.set_modes(options.modes);
   *shape.mutable_regions() = {options.regions.begin(), options.regions.end()};
   for (const std::string& name : options.fields) shape.add_fields()->set_name(name);
@@ -215,6 +216,7 @@ absl::StatusOr<v1::MapSpecification> Specification(const BuildOptions& options,
   specification.set_seconds(options.seconds);
   specification.set_most_structures(options.structures);
   specification.set_seed(options.seed);
+  specification.set_exact_evaluations(options.exact_evaluations);
   MORTISE_ASSIGN_OR_RETURN(const v1::MeshSettings mesh, MeshOf(options.evaluation));
   if (mesh.ByteSizeLong() > 0) *specification.mutable_mesh() = mesh;
   MORTISE_ASSIGN_OR_RETURN(const auto airflow, AirflowOf(options.evaluation));
@@ -280,9 +282,10 @@ void AddShapeFlags(CommandFlags& flags, BuildOptions& options) {
             "Field to have on the shapes, such as von_mises; again for more",
             "specification.shape.fields");
   flags.Add("--field-noise", options.field_noise,
-            "NAME=SHARE: how much of a field is chance, over its range, such as 0.05");
+            "NAME=SHARE: how much of a field is chance, over its range, such as 0.05; estimated "
+            "without");
   flags.Add("--shape-noise", options.shape_noise,
-            "How much of the shape is chance, as a share of its size",
+            "How much of the shape is chance, as a share of its size; estimated without",
             "specification.shape.noise_floor");
   flags.Add("--region", options.regions,
             "Region to name on the shapes, such as a boundary condition; all without",
@@ -301,7 +304,10 @@ void AddMapBuildCommand(CLI::App& map, Session& session) {
   flags.Add("--metric", options->metrics, "Metric to know; again for more",
             "specification.metrics");
   flags.Add("--noise", options->noise,
-            "METRIC=VALUE: how much of it is chance, as of meshes; nothing is sampled for less");
+            "METRIC=VALUE: how much of it is chance, as of meshes; nothing is sampled for less. "
+            "Without, it is estimated by one design on two meshes");
+  flags.command().add_flag("--exact-evaluations", options->exact_evaluations,
+                           "Take evaluations as exact: estimate no noise");
   AddMetricDefinitionFlags(flags, options->own);
   AddShapeFlags(flags, *options);
   AddSamplingFlags(flags, *options);

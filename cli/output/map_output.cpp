@@ -48,16 +48,24 @@ void PrintParameters(const v1::DesignMap& map, const Output& output) {
   if (!map.fixed().empty()) output.Line("  fixed: " + ValuesText(map, map.fixed()));
 }
 
+// What is taken for chance, of a metric, the shape or a field.
+template <typename Message>
+std::string NoiseText(const std::string& floor, const Message& of) {
+  if (of.noise_estimated()) return absl::StrCat("about ", floor);
+  return of.noise_floor() > 0 ? floor : "none";
+}
+
 void PrintMetrics(const v1::DesignMap& map, const Output& output) {
   Rows rows;
   for (const v1::MapMetric& metric : map.metrics()) {
     rows.push_back({metric.name(), Text(metric.unit(), metric.minimum()),
                     Text(metric.unit(), metric.maximum()),
                     Text(metric.unit(), metric.largest_error()),
-                    Text(metric.unit(), metric.mean_error())});
+                    Text(metric.unit(), metric.mean_error()),
+                    NoiseText(Text(metric.unit(), metric.noise_floor()), metric)});
   }
   if (rows.empty()) return;
-  output.Table({"metric", "from", "to", "off at most", "off in the mean"}, rows);
+  output.Table({"metric", "from", "to", "off at most", "off in the mean", "noise"}, rows);
 }
 
 // A field with its load case.
@@ -77,14 +85,17 @@ void PrintShapes(const v1::DesignMap& map, const Output& output) {
                                 shapes.inverted_tetrahedra(), shapes.unmapped()));
   }
   Rows rows = {{"shape", "", Text("m", shapes.size()), Text("m", shapes.largest_error()),
-                Text("m", shapes.largest_99_error()), Text("m", shapes.mean_error())}};
+                Text("m", shapes.largest_99_error()), Text("m", shapes.mean_error()),
+                NoiseText(absl::StrFormat("%.3g of its size", shapes.noise_floor()), shapes)}};
   for (const v1::MapShapes::Field& field : shapes.fields()) {
     rows.push_back({FieldText(field.name(), field.load_case()), Text(field.unit(), field.minimum()),
                     Text(field.unit(), field.maximum()), Text(field.unit(), field.largest_error()),
                     Text(field.unit(), field.largest_99_error()),
-                    Text(field.unit(), field.mean_error())});
+                    Text(field.unit(), field.mean_error()),
+                    NoiseText(absl::StrFormat("%.3g of its range", field.noise_floor()), field)});
   }
-  output.Table({"of shapes", "from", "to", "off at most", "99 of 100", "off in the mean"}, rows);
+  output.Table({"of shapes", "from", "to", "off at most", "99 of 100", "off in the mean", "noise"},
+               rows);
 }
 
 void PrintShapeDifferences(const v1::MapVerification& verification, const Output& output) {

@@ -134,6 +134,15 @@ absl::Status MapSampling::RestorePoint(const MapSamplingCheckpoint& checkpoint, 
                          : TellFailure(number, absl::UnknownError(failure));
 }
 
+absl::Status MapSampling::SetNoiseFloor(std::vector<double> noise_floor) {
+  MORTISE_RETURN_IF_ERROR(CheckPerOutput(noise_floor, state_->outputs(), "noise_floor"));
+  if (state_->points().waiting() < state_->points().count()) {
+    return PreconditionFailed("SAMPLING_HAS_BEGUN", "points have been told already");
+  }
+  state_->SetNoiseFloor(std::move(noise_floor));
+  return absl::OkStatus();
+}
+
 std::vector<AskedPoint> MapSampling::Ask(int most) { return state_->Ask(most); }
 
 absl::Status MapSampling::Tell(int number, const Eigen::Ref<const Eigen::VectorXd>& values) {

@@ -145,6 +145,10 @@ class MapSampling {
   MapSampling& operator=(MapSampling&&) noexcept;
   ~MapSampling();
 
+  // Sets the noise floors of the options before anything has been told: they may come of the first
+  // evaluations. INVALID_ARGUMENT, field `noise_floor`; FAILED_PRECONDITION, SAMPLING_HAS_BEGUN.
+  absl::Status SetNoiseFloor(std::vector<double> noise_floor);
+
   // At most `most` points that have not been handed out. Empty while the round waits for answers,
   // and when all is done.
   std::vector<AskedPoint> Ask(int most);

@@ -23,6 +23,9 @@ class MapSampling::State {
   const KnownPoints& points() const { return points_; }
   bool done() const { return done_; }
 
+  void SetNoiseFloor(std::vector<double> noise_floor) {
+    options_.noise_floor = std::move(noise_floor);
+  }
   std::vector<AskedPoint> Ask(int most);
   bool WasAsked(int number) const { return handed_out_[number] != 0; }
   void MarkAsked(int number) { handed_out_[number] = 1; }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -35,12 +36,15 @@ const char* StopReasonName(StopReason reason) {
 absl::StatusOr<std::unique_ptr<MapBuilding>> MapBuilding::Create(const MapPlan& plan,
                                                                  const BuildOptions& options) {
   std::unique_ptr<MapBuilding> building(new MapBuilding(plan, options));
+  building->noise_floor_ = options.sampling.noise_floor;
+  building->awaits_noise_ = options.noise.has_value();
   const auto structures = static_cast<int>(plan.structures.cols());
+  const int evaluations = plan.evaluations - (options.noise ? 1 : 0);
   for (int s = 0; s < structures; ++s) {
     maps::MapSamplingOptions sampling = options.sampling;
     sampling.errors_from_outside = options.shapes.has_value();
     // What does not divide evenly goes to the first ones.
-    sampling.budget = plan.evaluations / structures + (s < plan.evaluations % structures ? 1 : 0);
+    sampling.budget = evaluations / structures + (s < evaluations % structures ? 1 : 0);
     MORTISE_ASSIGN_OR_RETURN(
         maps::MapSampling created,
         maps::MapSampling::Create(static_cast<int>(plan.NumberParameters().size()),
@@ -67,6 +71,9 @@ absl::Status MapBuilding::Run(const KnownAnswers& known, KnownShapes known_shape
 }
 
 absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lanes) {
+  if (awaits_noise_ && options_.noise->known) {
+    MORTISE_RETURN_IF_ERROR(SettleNoise(*options_.noise->known));
+  }
   // First, so that a build that is stopped at once has what is known of it.
   if (!known.empty()) MORTISE_RETURN_IF_ERROR(Replay(known));
   Clock::time_point answered = Clock::now(), told = answered;
@@ -74,6 +81,8 @@ absl::Status MapBuilding::RunToItsEnd(const KnownAnswers& known, ThreadPool& lan
     if (StopWhenAsked()) {
       if (options_.interrupt) options_.interrupt();
       if (shapes_) shapes_->Stop();
+      // Nobody asks for it any more: what is known makes a map without it.
+      if (awaits_noise_ && !has_asked_for_noise_) MORTISE_RETURN_IF_ERROR(SettleNoise({}));
     }
     if (shapes_) shapes_->Release();
     MORTISE_RETURN_IF_ERROR(FillLanes(known, lanes));
@@ -140,6 +149,10 @@ absl::Status MapBuilding::Replay(const KnownAnswers& known) {
 
 absl::Status MapBuilding::FillLanes(const KnownAnswers& known, ThreadPool& lanes) {
   while (!is_stopped_ && under_way_ < std::max(1, options_.lanes)) {
+    if (awaits_noise_ && middle_ && !has_asked_for_noise_) {
+      AskForNoise(lanes);
+      continue;
+    }
     std::vector<Asked> batch;
     if (!waiting_.empty()) {
       batch = std::move(waiting_.front());
@@ -251,6 +264,7 @@ void MapBuilding::TellProgress() {
 }
 
 absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
+  if (awaits_noise_) return HoldBack(asked, answer);
   const auto structure = static_cast<std::size_t>(asked.key.structure);
   ++evaluations_;
   if (!answer.status.ok()) {
@@ -270,6 +284,71 @@ absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
                        answer.status.ok() ? answer.file : "");
 }
 
+// Until the noise is known, by which it is decided where to go on. No more than the first round can
+// come before.
+absl::Status MapBuilding::HoldBack(const Asked& asked, const DesignAnswer& answer) {
+  held_back_.emplace_back(asked, answer);
+  const auto numbers = static_cast<Eigen::Index>(plan_.NumberParameters().size());
+  const Eigen::VectorXd middle = plan_.DesignAt(0, Eigen::VectorXd::Constant(numbers, 0.5));
+  if (asked.key.structure != 0 || asked.design != middle) return absl::OkStatus();
+  middle_ = answer;
+  // There is nothing to compare.
+  return answer.status.ok() ? absl::OkStatus() : SettleNoise({});
+}
+
+void MapBuilding::AskForNoise(ThreadPool& lanes) {
+  has_asked_for_noise_ = true;
+  ++under_way_;
+  lanes.Submit([this, one = *middle_] {
+    mailbox_.Put([this, noise = Guarded([&] { return EstimateNoise(one); })] {
+      return ReceiveNoise(noise);
+    });
+  });
+}
+
+absl::StatusOr<MeshNoise> MapBuilding::EstimateNoise(const DesignAnswer& one) const {
+  const auto numbers = static_cast<Eigen::Index>(plan_.NumberParameters().size());
+  MORTISE_ASSIGN_OR_RETURN(
+      const DesignAnswer other,
+      options_.noise->evaluate(plan_.DesignAt(0, Eigen::VectorXd::Constant(numbers, 0.5))));
+  MORTISE_ASSIGN_OR_RETURN(
+      MeshNoise noise,
+      CompareMeshes(one, other, options_.shapes ? &*options_.shapes : nullptr, *options_.noise));
+  noise.evaluations = 1;
+  return noise;
+}
+
+absl::Status MapBuilding::ReceiveNoise(absl::StatusOr<MeshNoise> noise) {
+  --under_way_;
+  // After a failure elsewhere, too, and not what was interrupted.
+  if (noise.ok() && options_.noise->keep) {
+    MORTISE_RETURN_IF_ERROR(options_.noise->keep(*noise));
+  }
+  if (has_failed_) return absl::OkStatus();
+  if (is_stopped_ && !noise.ok()) return SettleNoise({});
+  MORTISE_RETURN_IF_ERROR(noise.status());
+  MORTISE_RETURN_IF_ERROR(SettleNoise(*std::move(noise)));
+  return options_.judge ? options_.judge(Counts()) : absl::OkStatus();
+}
+
+// Takes it over, and tells all that was held back.
+absl::Status MapBuilding::SettleNoise(MeshNoise noise) {
+  noise_ = std::move(noise);
+  awaits_noise_ = false;
+  evaluations_ += noise_.evaluations;
+  noise_floor_.resize(plan_.metrics.size());
+  for (std::size_t m = 0; m < noise_.metrics.size(); ++m) {
+    if (noise_.metrics[m]) noise_floor_[m] = *noise_.metrics[m];
+  }
+  for (const auto& structure : structures_) {
+    MORTISE_RETURN_IF_ERROR(structure->SetNoiseFloor(noise_floor_));
+  }
+  if (shapes_) shapes_->SetNoise(noise_);
+  const auto held_back = std::exchange(held_back_, {});
+  for (const auto& [asked, answer] : held_back) MORTISE_RETURN_IF_ERROR(Tell(asked, answer));
+  return absl::OkStatus();
+}
+
 // After a failure: what other calls have found meanwhile need not be found again. The failure that
 // is told is the first.
 void MapBuilding::KeepWhatIsUnderWay() {
@@ -283,9 +362,8 @@ void MapBuilding::KeepWhatIsUnderWay() {
 
 // 0 where nothing is measured yet.
 double MapBuilding::LargestOf(const maps::MapSamplingProgress& progress) const {
-  return std::max(progress.outside_error,
-                  maps::RelativeError(progress.errors.largest, options_.sampling.noise_floor,
-                                      progress.errors.range));
+  return std::max(progress.outside_error, maps::RelativeError(progress.errors.largest, noise_floor_,
+                                                              progress.errors.range));
 }
 
 absl::StatusOr<std::optional<ShapedStructure>> MapBuilding::ShapesOf(std::size_t structure) const {

@@ -19,22 +19,15 @@
 #include "common/base/thread_pool.h"
 #include "common/evaluation/failures/failure_tally.h"
 #include "common/maps/map_sampling.h"
+#include "services/interpolator/building/design_answer.h"
 #include "services/interpolator/building/known_shapes.h"
 #include "services/interpolator/building/map_plan.h"
+#include "services/interpolator/building/mesh_noise.h"
 #include "services/interpolator/building/shape_building.h"
 #include "services/interpolator/building/shape_options.h"
 #include "services/interpolator/building/shaped_structure.h"
 
 namespace mortise::interpolator {
-
-// What is known of a design.
-struct DesignAnswer {
-  absl::Status status;     // why it could not be evaluated; OK if it was
-  Eigen::VectorXd values;  // M
-  // Digest of the file with its shape and fields (common/fields), of maps that have such: what
-  // ShapeOptions::get gives.
-  std::string file{};
-};
 
 // A design that a map asks for: the `number`-th of a structure.
 struct DesignKey {
@@ -92,6 +85,10 @@ struct BuildOptions {
   std::chrono::milliseconds quiet{10'000};
   // Shapes and fields beside the metrics; none if absent. There may be no metrics then.
   std::optional<ShapeOptions> shapes;
+  // Noise floors that nobody has given, in the place of those of `sampling` and `shapes`: the
+  // design in the middle of the first structure's box is evaluated once more, which counts in the
+  // plan's evaluations. None are estimated if absent.
+  std::optional<MeshNoiseOptions> noise;
 };
 
 // One build. Its callbacks are called on the thread that runs it.
@@ -113,6 +110,8 @@ class MapBuilding {
   // Why a structure is not sampled any more.
   StopReason ReasonOf(std::size_t structure) const;
   BuildProgress progress() const;
+  // What was estimated of noise; nothing before it was, and where nothing was to be.
+  const MeshNoise& noise() const { return noise_; }
   // The shapes of a structure, for its Content(): of the last complete round. Nothing of a build
   // without shapes. FAILED_PRECONDITION as Content().
   absl::StatusOr<std::optional<ShapedStructure>> ShapesOf(std::size_t structure) const;
@@ -141,6 +140,11 @@ class MapBuilding {
   absl::Status Happen(const Event& first);
   bool IsIdle() const { return under_way_ == 0 && (shapes_ == nullptr || shapes_->IsIdle()); }
   absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
+  absl::Status HoldBack(const Asked& asked, const DesignAnswer& answer);
+  void AskForNoise(ThreadPool& lanes);
+  absl::Status ReceiveNoise(absl::StatusOr<MeshNoise> noise);
+  absl::Status SettleNoise(MeshNoise noise);
+  absl::StatusOr<MeshNoise> EstimateNoise(const DesignAnswer& one) const;
   void TellProgress();
   double LargestOf(const maps::MapSamplingProgress& progress) const;
   BuildProgress Counts() const;  // without errors and elements
@@ -162,6 +166,12 @@ class MapBuilding {
   bool has_failed_ = false;  // then answers are kept and no more
   Mailbox<Event> mailbox_;
   std::unique_ptr<ShapeBuilding> shapes_;  // null without shapes
+  std::vector<double> noise_floor_;        // of metrics
+  MeshNoise noise_;
+  bool awaits_noise_ = false;  // then answers are held back
+  std::vector<std::pair<Asked, DesignAnswer>> held_back_;
+  std::optional<DesignAnswer> middle_;  // of the design that noise is estimated by
+  bool has_asked_for_noise_ = false;
 };
 
 }  // namespace mortise::interpolator

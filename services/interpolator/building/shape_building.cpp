@@ -16,6 +16,10 @@ ShapeBuilding::ShapeBuilding(const ShapeOptions& options,
   }
 }
 
+void ShapeBuilding::SetNoise(const MeshNoise& noise) {
+  for (const auto& structure : structures_) structure->SetNoise(noise);
+}
+
 absl::Status ShapeBuilding::Told(int structure, int number, const std::string& file) {
   StructureShapes& shapes = *structures_[static_cast<std::size_t>(structure)];
   if (!file.empty()) {

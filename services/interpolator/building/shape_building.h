@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/maps/map_sampling.h"
+#include "services/interpolator/building/mesh_noise.h"
 #include "services/interpolator/building/shape_work.h"
 #include "services/interpolator/building/structure_shapes.h"
 
@@ -25,6 +26,8 @@ class ShapeBuilding {
                 std::function<void(ShapeWork::Event)> post);
 
   void SetKnown(KnownShapes known) { work_.SetKnown(std::move(known)); }
+  // Noise floors beside those of the options, before anything is told.
+  void SetNoise(const MeshNoise& noise);
   // As ShapeWork::CheckDesign.
   absl::Status CheckDesign(const std::string& file, absl::Status& fault) {
     return work_.CheckDesign(file, fault);

@@ -364,6 +364,16 @@ Eigen::VectorXd StructureShapes::ScalesOf(const Settled& settled) const {
   return scales;
 }
 
+// Of the shape, or of a field, over what its errors are divided by: as given, or as estimated.
+double StructureShapes::NoiseFloorOf(Eigen::Index quantity, double scale) const {
+  if (quantity == 0) return noise_.shape ? *noise_.shape / scale : options_.noise_floor;
+  const FieldKind& field = fields_[static_cast<std::size_t>(quantity) - 1];
+  if (const auto floor = noise_.OfFieldNamed(field.name, field.load_case)) return *floor / scale;
+  const auto wanted = std::ranges::find_if(
+      options_.fields, [&](const WantedField& each) { return each.name == field.name; });
+  return wanted == options_.fields.end() ? options_.noise_floor : wanted->noise_floor;
+}
+
 maps::OutsideError StructureShapes::OutsideErrorOf(const Settled& settled) const {
   const Eigen::VectorXd scales = ScalesOf(settled);
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(scales.size());
@@ -379,14 +389,8 @@ maps::OutsideError StructureShapes::OutsideErrorOf(const Settled& settled) const
   Eigen::VectorXd all = result.bending;
   for (Eigen::Index q = 0; q < errors.size(); ++q) {
     if (scales[q] <= 0) continue;
-    double floor = options_.noise_floor;
-    for (const WantedField& wanted : options_.fields) {
-      if (q > 0 && wanted.name == fields_[static_cast<std::size_t>(q) - 1].name) {
-        floor = wanted.noise_floor;
-      }
-    }
     const Eigen::VectorXd along = settled.bending.col(q) / scales[q];
-    const double beyond = errors[q] / scales[q] - floor;
+    const double beyond = errors[q] / scales[q] - NoiseFloorOf(q, scales[q]);
     all = all.cwiseMax(along);
     if (beyond <= 0) continue;
     result.error = std::max(result.error, beyond);

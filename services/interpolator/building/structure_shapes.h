@@ -20,6 +20,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/maps/map_sampling.h"
+#include "services/interpolator/building/mesh_noise.h"
 #include "services/interpolator/building/shape_options.h"
 #include "services/interpolator/building/shape_work.h"
 #include "services/interpolator/building/shaped_structure.h"
@@ -31,6 +32,9 @@ class StructureShapes {
   // All outlive it.
   StructureShapes(int structure, maps::MapSampling& sampling, ShapeWork& work,
                   const ShapeOptions& options);
+
+  // Noise floors beside those of the options.
+  void SetNoise(MeshNoise noise) { noise_ = std::move(noise); }
 
   // To be called when a point has been told that did not fail: its design is brought into the
   // meshes around it ahead of time.
@@ -84,6 +88,7 @@ class StructureShapes {
   bool IncludeRanges();
   Eigen::MatrixXd BendingOf(int element, int mesh) const;
   Eigen::VectorXd ScalesOf(const Settled& settled) const;
+  double NoiseFloorOf(Eigen::Index quantity, double scale) const;
   maps::OutsideError OutsideErrorOf(const Settled& settled) const;
   Eigen::VectorXd DividingDirections(int element);
   ShapedStructure::Mesh DescriptionOf(int mesh) const;
@@ -98,6 +103,7 @@ class StructureShapes {
   maps::MapSampling& sampling_;
   ShapeWork& work_;
   const ShapeOptions& options_;
+  MeshNoise noise_;
   std::vector<int> mesh_designs_;            // of each mesh the number of its design
   std::vector<int> node_mesh_;               // of each node of the tree, -1 where there is none yet
   std::vector<int> told_;                    // points that did not fail

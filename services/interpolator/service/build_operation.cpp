@@ -23,6 +23,7 @@
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/building/map_building.h"
 #include "services/interpolator/records/kept_answers.h"
+#include "services/interpolator/records/kept_noise.h"
 #include "services/interpolator/records/kept_shapes.h"
 #include "services/interpolator/records/map_files.h"
 #include "services/interpolator/records/stored_map.h"
@@ -99,7 +100,10 @@ class BuildRun {
     MORTISE_ASSIGN_OR_RETURN(
         evaluator_, MapEvaluator::Create(environment_, specification, context_.stop_token()));
     MORTISE_ASSIGN_OR_RETURN(plan_, MakePlan(specification, evaluator_->described()));
-    const BuildOptions options = MakeOptions();
+    BuildOptions options = MakeOptions();
+    if (EstimatesNoise(specification, plan_)) {
+      MORTISE_ASSIGN_OR_RETURN(options.noise, MakeNoiseOptions());
+    }
     MORTISE_ASSIGN_OR_RETURN(const auto building, MapBuilding::Create(plan_, options));
     MORTISE_ASSIGN_OR_RETURN(const KeptAnswers kept, LoadAnswers(*environment_.store, id_));
     for (const auto& [file, design] : kept.designs) evaluator_->Remember(file, design);
@@ -111,6 +115,7 @@ class BuildRun {
 
   absl::Status DropKept(store::Transaction& transaction) const {
     MORTISE_RETURN_IF_ERROR(DropShapes(transaction, id_));
+    MORTISE_RETURN_IF_ERROR(DropNoise(transaction, id_));
     return DropAnswers(transaction, id_);
   }
 
@@ -142,7 +147,10 @@ class BuildRun {
     options.evaluate = [this](const std::vector<Eigen::VectorXd>& designs) {
       return evaluator_->Evaluate(designs);
     };
-    options.interrupt = [this] { evaluator_->Interrupt(); };
+    options.interrupt = [this] {
+      evaluator_->Interrupt();
+      if (on_other_meshes_) on_other_meshes_->Interrupt();
+    };
     options.cancelled = [this] { return context_.Cancelled(); };
     if (request_.specification().seconds() > 0) {
       // From when it was asked for, so that a restart gives it no more.
@@ -161,6 +169,27 @@ class BuildRun {
     options.progress = [this](const BuildProgress& progress) { Tell(progress); };
     options.judge = [this](const BuildProgress& progress) { return Judge(progress); };
     options.waiting = [this](std::chrono::seconds waited) { TellOfWaiting(waited); };
+    return options;
+  }
+
+  absl::StatusOr<MeshNoiseOptions> MakeNoiseOptions() {
+    MeshNoiseOptions options = NoiseWantedOf(request_.specification());
+    MORTISE_ASSIGN_OR_RETURN(options.known, LoadNoise(*environment_.store, id_));
+    if (options.known) return options;
+    MORTISE_ASSIGN_OR_RETURN(
+        on_other_meshes_,
+        MapEvaluator::Create(environment_, OnOtherMeshes(request_.specification()),
+                             context_.stop_token()));
+    options.evaluate = [this](const Eigen::VectorXd& design) -> absl::StatusOr<DesignAnswer> {
+      MORTISE_ASSIGN_OR_RETURN(std::vector<DesignAnswer> answers,
+                               on_other_meshes_->Evaluate({design}));
+      return std::move(answers.front());
+    };
+    options.get = [this](const std::string& file) { return on_other_meshes_->Fetch(file); };
+    options.keep = [this](const MeshNoise& noise) {
+      return context_.Transact(
+          [&](store::Transaction& transaction) { return PutNoise(transaction, id_, noise); });
+    };
     return options;
   }
 
@@ -309,7 +338,8 @@ class BuildRun {
                                        const std::vector<maps::MapContent>& contents,
                                        const std::vector<ShapedStructure>& shaped) {
     const std::int64_t of_shapes = BytesOf(shaped);
-    const v1::MapShapes shapes = MakeShapes(request_.specification(), shaped, of_shapes);
+    const v1::MapShapes shapes =
+        MakeShapes(request_.specification(), shaped, building.noise(), of_shapes);
     std::vector<StoredShapes> stored;
     for (const ShapedStructure& structure : shaped) stored.push_back(ToStored(structure, shapes));
     const std::string bytes = SerializeMap(contents, stored);
@@ -351,8 +381,9 @@ class BuildRun {
   v1::BuildMapRequest request_;
   MapPlan plan_;
   std::unique_ptr<MapEvaluator> evaluator_;
-  operations::Progress told_;                   // last
-  std::optional<DesignAnswer> default_design_;  // what became of it, once it was tried
+  std::unique_ptr<MapEvaluator> on_other_meshes_;  // where noise is to be estimated
+  operations::Progress told_;                      // last
+  std::optional<DesignAnswer> default_design_;     // what became of it, once it was tried
 };
 
 }  // namespace

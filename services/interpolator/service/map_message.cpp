@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace mortise::interpolator {
 namespace {
@@ -136,7 +138,11 @@ void AddMetrics(const MapPlan& plan, const MapBuilding& building,
     to.set_maximum(most[i]);
     to.set_largest_error(errors.largest[i]);
     to.set_mean_error(errors.probes > 0 ? errors.sum[i] / errors.probes : 0);
-    to.set_noise_floor(metric.noise_floor);
+    const std::vector<std::optional<double>>& noise = building.noise().metrics;
+    const bool is_estimated =
+        static_cast<std::size_t>(i) < noise.size() && noise[static_cast<std::size_t>(i)];
+    to.set_noise_estimated(is_estimated);
+    to.set_noise_floor(is_estimated ? *noise[static_cast<std::size_t>(i)] : metric.noise_floor);
   }
 }
 
@@ -160,6 +166,7 @@ v1::DesignMap MakeMap(const v1::MapSpecification& specification, const MapPlan& 
   AddParameters(plan, map);
   AddStructures(plan, building, structures, map);
   AddMetrics(plan, building, structures, map);
+  map.set_noise_evaluations(building.noise().evaluations);
   const BuildProgress progress = building.progress();
   AddFailures(progress.failures, *map.mutable_failures());
   if (specification.has_shape()) {

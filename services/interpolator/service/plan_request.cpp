@@ -296,20 +296,21 @@ std::string LeastMetric(const v1::DesignSpace& described) {
   return described.metrics().empty() ? std::string() : described.metrics(0).name();
 }
 
+// Of each structure: the corners of the box, and two designs to know its error by.
+int LeastEvaluations(const MapPlan& plan) {
+  return std::max((1 << plan.NumberParameters().size()) + 2, kMinEvaluations);
+}
+
 absl::Status SetBudget(const v1::MapSpecification& specification, MapPlan& plan) {
   plan.evaluations =
       specification.evaluations() == 0 ? kDefaultEvaluations : specification.evaluations();
-  // The corners of the box, and two designs to know its error by.
-  const int least = (1 << plan.NumberParameters().size()) + 2;
+  const int least = LeastEvaluations(plan);
   const auto structures = static_cast<int>(plan.structures.cols());
-  if (plan.evaluations / structures >= std::max(least, kMinEvaluations)) {
-    return CheckSize(specification, plan);
-  }
-  return InvalidField(
-      "specification.evaluations",
-      absl::StrCat("at least ", structures * std::max(least, kMinEvaluations), " are needed for ",
-                   plan.NumberParameters().size(), " numbers and ", structures,
-                   structures == 1 ? " structure" : " structures"));
+  if (plan.evaluations / structures >= least) return CheckSize(specification, plan);
+  return InvalidField("specification.evaluations",
+                      absl::StrCat("at least ", structures * least, " are needed for ",
+                                   plan.NumberParameters().size(), " numbers and ", structures,
+                                   structures == 1 ? " structure" : " structures"));
 }
 
 }  // namespace
@@ -340,6 +341,43 @@ v1::DescribeDesignSpaceRequest DescriptionOf(const v1::MapSpecification& specifi
   request.set_revision(specification.revision());
   *request.mutable_metric_definitions() = specification.metric_definitions();
   return request;
+}
+
+MeshNoiseOptions NoiseWantedOf(const v1::MapSpecification& specification) {
+  MeshNoiseOptions wanted;
+  for (const auto& metric : specification.metrics()) {
+    wanted.of_metrics.push_back(!metric.has_noise_floor());
+  }
+  if (!specification.has_shape()) return wanted;
+  wanted.of_shape = !specification.shape().has_noise_floor();
+  for (const auto& field : specification.shape().fields()) {
+    if (!field.has_noise_floor()) wanted.of_fields.push_back(field.name());
+  }
+  return wanted;
+}
+
+bool EstimatesNoise(const v1::MapSpecification& specification, const MapPlan& plan) {
+  const MeshNoiseOptions wanted = NoiseWantedOf(specification);
+  const bool is_any_wanted = wanted.of_shape || !wanted.of_fields.empty() ||
+                             std::ranges::find(wanted.of_metrics, true) != wanted.of_metrics.end();
+  const auto structures = static_cast<int>(plan.structures.cols());
+  return is_any_wanted && !specification.exact_evaluations() &&
+         specification.subject().starts_with("templates/") &&
+         (plan.evaluations - 1) / structures >= LeastEvaluations(plan);
+}
+
+v1::MapSpecification OnOtherMeshes(const v1::MapSpecification& specification) {
+  constexpr double kFiner = 0.8, kCoarser = 1.25, kLeastScale = 0.5;
+  constexpr int kDefaultCells = 30'000, kMostCells = 5'000'000;
+  v1::MapSpecification other = specification;
+  v1::MeshSettings& mesh = *other.mutable_mesh();
+  const double scale = mesh.size_scale() == 0 ? 1 : mesh.size_scale();
+  mesh.set_size_scale(scale * (scale * kFiner >= kLeastScale ? kFiner : kCoarser));
+  const int cells = other.airflow().cells() == 0 ? kDefaultCells : other.airflow().cells();
+  const double more = cells / (kFiner * kFiner * kFiner);
+  other.mutable_airflow()->set_cells(
+      static_cast<int>(more <= kMostCells ? more : cells * kFiner * kFiner * kFiner));
+  return other;
 }
 
 v1::EvaluateBatchRequest QuestionOf(const v1::MapSpecification& specification,

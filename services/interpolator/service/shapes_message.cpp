@@ -77,10 +77,31 @@ void AddStructure(const ShapedStructure& structure, double share, v1::MapShapes&
   }
 }
 
+// Floors as shares of size and range, as they are given.
+void AddNoise(const v1::MapSpecification::ShapeChoice& wanted, const MeshNoise& noise,
+              v1::MapShapes& shapes) {
+  shapes.set_noise_floor(wanted.noise_floor());
+  if (noise.shape && shapes.size() > 0) {
+    shapes.set_noise_floor(*noise.shape / shapes.size());
+    shapes.set_noise_estimated(true);
+  }
+  for (Field& field : *shapes.mutable_fields()) {
+    for (const auto& given : wanted.fields()) {
+      if (given.name() == field.name()) field.set_noise_floor(given.noise_floor());
+    }
+    const double range = field.maximum() - field.minimum();
+    const auto floor = noise.OfFieldNamed(field.name(), field.load_case());
+    if (!floor || !(range > 0)) continue;
+    field.set_noise_floor(*floor / range);
+    field.set_noise_estimated(true);
+  }
+}
+
 }  // namespace
 
 v1::MapShapes MakeShapes(const v1::MapSpecification& specification,
-                         const std::vector<ShapedStructure>& structures, std::int64_t bytes) {
+                         const std::vector<ShapedStructure>& structures, const MeshNoise& noise,
+                         std::int64_t bytes) {
   v1::MapShapes shapes;
   shapes.set_geometry(specification.shape().geometry());
   for (const auto& field : specification.shape().fields()) {
@@ -93,6 +114,7 @@ v1::MapShapes MakeShapes(const v1::MapSpecification& specification,
   for (const ShapedStructure& structure : structures) {
     AddStructure(structure, static_cast<double>(structure.element_mesh.size()) / elements, shapes);
   }
+  AddNoise(specification.shape(), noise, shapes);
   shapes.set_bytes(bytes);
   return shapes;
 }

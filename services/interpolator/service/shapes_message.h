@@ -5,16 +5,18 @@
 #include <vector>
 
 #include "mortise/v1/interpolator.pb.h"
+#include "services/interpolator/building/mesh_noise.h"
 #include "services/interpolator/building/shaped_structure.h"
 #include "services/interpolator/records/stored_map.h"
 
 namespace mortise::interpolator {
 
 // Returns what all structures have of shapes together: fields in the order asked for, those of one
-// name by their load cases as they come; what structures differ in is united. `bytes`: that all of
-// it takes on disk.
+// name by their load cases as they come; what structures differ in is united. `noise`: what of the
+// floors was estimated. `bytes`: that all of it takes on disk.
 v1::MapShapes MakeShapes(const v1::MapSpecification& specification,
-                         const std::vector<ShapedStructure>& structures, std::int64_t bytes);
+                         const std::vector<ShapedStructure>& structures, const MeshNoise& noise,
+                         std::int64_t bytes);
 
 // Returns what is stored of a structure; errors of fields in the order of `shapes.fields`, 0 of
 // those that it has not.

@@ -50,6 +50,10 @@ v1::DesignMap KnownMap() {
     metric.set_name(name);
     metric.set_unit("kg");
   }
+  map.mutable_metrics(0)->set_noise_floor(0.5);
+  map.mutable_metrics(0)->set_noise_estimated(true);
+  map.mutable_shapes()->set_noise_floor(0.001);
+  map.mutable_shapes()->set_noise_estimated(true);
   map.set_stop_reason("BUDGET");
   map.mutable_shapes()->set_geometry(v1::SURFACE);
   map.mutable_shapes()->set_meshes(1);
@@ -67,6 +71,7 @@ v1::DesignMap KnownMap() {
   field.set_unit("Pa");
   field.set_load_case("pull");
   field.set_components(1);
+  field.set_noise_floor(0.05);
   auto& difference = *map.mutable_verification()->add_shapes();
   difference.set_field("stress");
   difference.set_load_case("pull");
@@ -282,7 +287,9 @@ TEST_F(MapCommands, BuildSaysWhatToSampleAndHowLong) {
   EXPECT_EQ(specification.subject(), "templates/table");
   ASSERT_EQ(specification.metrics_size(), 2);
   EXPECT_EQ(specification.metrics(1).name(), "first");
+  EXPECT_FALSE(specification.metrics(0).has_noise_floor());
   EXPECT_DOUBLE_EQ(specification.metrics(1).noise_floor(), 0.002);
+  EXPECT_FALSE(specification.exact_evaluations());
   ASSERT_EQ(specification.variations_size(), 2);
   EXPECT_EQ(specification.variations(0).parameter(), "a");
   EXPECT_FALSE(specification.variations(0).has_minimum());
@@ -319,15 +326,16 @@ TEST_F(MapCommands, BuildSaysWhatToKnowOfShapes) {
   Ask({"build", "table", "--shape", "surface", "--shape-noise", "0.01", "--field", "stress",
        "--field", "heat", "--field-noise", "heat=0.05", "--region", "cap", "--modes", "2"});
   Ask({"build", "table", "--metric", "sum", "--field", "stress"});
-  Ask({"build", "table", "--metric", "sum"});
+  Ask({"build", "table", "--metric", "sum", "--exact-evaluations"});
   ASSERT_EQ(interpolator_.builds.size(), 3u);
+  EXPECT_TRUE(interpolator_.builds[2].specification().exact_evaluations());
   const v1::MapSpecification& specification = interpolator_.builds[0].specification();
   EXPECT_EQ(specification.metrics_size(), 0);
   const v1::MapSpecification::ShapeChoice& shape = specification.shape();
   EXPECT_EQ(shape.geometry(), v1::SURFACE);
   EXPECT_EQ(shape.noise_floor(), 0.01);
   ASSERT_EQ(shape.fields_size(), 2);
-  EXPECT_EQ(shape.fields(0).noise_floor(), 0);
+  EXPECT_FALSE(shape.fields(0).has_noise_floor());
   EXPECT_EQ(shape.fields(1).name(), "heat");
   EXPECT_EQ(shape.fields(1).noise_floor(), 0.05);
   EXPECT_THAT(shape.regions(), ElementsAre("cap"));
@@ -347,6 +355,9 @@ TEST_F(MapCommands, ShowPrintsShapesAndHowFarTheyAreOff) {
   EXPECT_THAT(shown, HasSubstr("stress, pull, of its range"));
   EXPECT_THAT(shown, HasSubstr("0.0625"));
   EXPECT_THAT(shown, HasSubstr("6 of them could not be brought into the map's mesh"));
+  for (const char* const noise : {"about 0.5 kg", "none", "0.05 of its range", "about 0.001 of"}) {
+    EXPECT_THAT(shown, HasSubstr(noise));
+  }
 }
 
 // Of this map no evaluation failed.

@@ -44,6 +44,17 @@ class TableMapTest : public simulator::SimulatorProcessTest {
       {"--peer=catalog=" + catalog_.address(), "--peer=simulator=" + service_.address()}};
 };
 
+// Another mesh changes how much it gives way, and not what it weighs.
+void ExpectNoise(const v1::DesignMap& map) {
+  EXPECT_EQ(map.noise_evaluations(), 1);
+  EXPECT_LE(map.samples() + map.probes() + map.noise_evaluations(), 20);
+  EXPECT_TRUE(map.metrics(0).noise_estimated());
+  EXPECT_LT(map.metrics(0).noise_floor(), 1e-9 * map.metrics(0).maximum());
+  EXPECT_TRUE(map.metrics(1).noise_estimated());
+  EXPECT_GT(map.metrics(1).noise_floor(), 1e-6 * map.metrics(1).maximum());
+  EXPECT_LT(map.metrics(1).noise_floor(), map.metrics(1).maximum());
+}
+
 TEST_F(TableMapTest, IsBuiltByWorkersAndAnswersWithoutThem) {
   auto first = StartWorker("w1");
   auto second = StartWorker("w2");
@@ -69,6 +80,7 @@ TEST_F(TableMapTest, IsBuiltByWorkersAndAnswersWithoutThem) {
   EXPECT_EQ(map.failed_evaluations(), 0);
   EXPECT_EQ(map.specification().revision(), 1);
   ASSERT_EQ(map.parameters_size(), 2);
+  ExpectNoise(map);
 
   v1::VerifyMapRequest verify;
   verify.set_request_id(NewIdentifier());

@@ -209,6 +209,31 @@ TEST(MapSampling, MakesCubicMapsThatAreMoreExactThanLinearOnes) {
 }
 
 // What failed is not read: its neighbours' values are as exact as without it.
+TEST(MapSampling, TakesNoiseFloorsThatAreKnownBeforeAnythingIsTold) {
+  const MapSamplingOptions given{.budget = 400, .tolerance = .001, .noise_floor = {.025}};
+  MapSampling expected = Sampling(2, 1, given);
+  MapSampling later = Sampling(2, 1, {.budget = 400, .tolerance = .001});
+  EXPECT_EQ(DetailOf(later.SetNoiseFloor({1, 2})).field, "noise_floor");
+  EXPECT_EQ(DetailOf(later.SetNoiseFloor({-1})).field, "noise_floor");
+  const std::vector<AskedPoint> first = later.Ask(3);
+  ASSERT_TRUE(later.SetNoiseFloor({.025}).ok());
+  const auto bowl = [](const Eigen::VectorXd& x) { return std::sin(3 * x[0]) + x[1] * x[1]; };
+  for (const AskedPoint& point : first) {
+    ASSERT_TRUE(later.Tell(point.number, Eigen::VectorXd::Constant(1, bowl(point.position))).ok());
+  }
+  EXPECT_EQ(DetailOf(later.SetNoiseFloor({0})).reason, "SAMPLING_HAS_BEGUN");
+  for (MapSampling* const sampling : {&expected, &later}) {
+    while (!sampling->Done()) {
+      for (const AskedPoint& point : sampling->Ask(10)) {
+        ASSERT_TRUE(
+            sampling->Tell(point.number, Eigen::VectorXd::Constant(1, bowl(point.position))).ok());
+      }
+    }
+  }
+  EXPECT_EQ(later.Progress().asked, expected.Progress().asked);
+  EXPECT_EQ(later.Content()->splits, expected.Content()->splits);
+}
+
 TEST(MapSampling, MakesCubicMapsBesideWhatIsCutOff) {
   MapSampling sampling = Sampling(2, 2, {.basis = Basis::kCubic, .budget = 200});
   Answer(sampling, [](const Eigen::VectorXd& x) -> absl::StatusOr<Eigen::VectorXd> {

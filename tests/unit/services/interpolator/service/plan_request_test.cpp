@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "mortise/v1/evaluator.pb.h"
@@ -178,6 +179,52 @@ TEST(PlanRequestTest, RefusesShapesThatTheSubjectDoesNotOffer) {
   EXPECT_EQ(field_of(v1::TETRAHEDRA), "specification.shape.fields[0].name");
   shape.mutable_fields(0)->set_name("von_mises");
   EXPECT_EQ(field_of(v1::SURFACE), "");
+}
+
+TEST(PlanRequestTest, EstimatesNoiseThatNobodyHasGivenOfWhatHasMeshes) {
+  v1::MapSpecification specification = SpecificationOf(100);
+  const auto estimates = [&] {
+    return EstimatesNoise(specification, MakePlan(specification, SpaceOf(2)).value());
+  };
+  EXPECT_TRUE(estimates());
+  EXPECT_EQ(NoiseWantedOf(specification).of_metrics, std::vector<bool>{true});
+  specification.set_exact_evaluations(true);
+  EXPECT_FALSE(estimates());
+  specification.clear_exact_evaluations();
+  specification.set_subject("evaluators/beam");
+  EXPECT_FALSE(estimates());
+  specification.set_subject("templates/shelf");
+  specification.mutable_metrics(0)->set_noise_floor(0);
+  EXPECT_FALSE(estimates());
+  v1::MapSpecification::ShapeChoice& shape = *specification.mutable_shape();
+  shape.set_noise_floor(0.01);
+  shape.add_fields()->set_name("von_mises");
+  shape.mutable_fields(0)->set_noise_floor(0.05);
+  shape.add_fields()->set_name("heat_flux");
+  EXPECT_EQ(NoiseWantedOf(specification).of_fields, std::vector<std::string>{"heat_flux"});
+  EXPECT_FALSE(NoiseWantedOf(specification).of_shape);
+  shape.clear_noise_floor();
+  EXPECT_TRUE(NoiseWantedOf(specification).of_shape);
+}
+
+TEST(PlanRequestTest, EstimatesNoNoiseWhereTheBudgetHasNoRoomForIt) {
+  const v1::MapSpecification least = SpecificationOf(10), more = SpecificationOf(11);
+  EXPECT_FALSE(EstimatesNoise(least, MakePlan(least, SpaceOf(2)).value()));
+  EXPECT_TRUE(EstimatesNoise(more, MakePlan(more, SpaceOf(2)).value()));
+}
+
+TEST(PlanRequestTest, AsksForOtherMeshesAndOtherCellsOfTheAir) {
+  v1::MapSpecification specification = SpecificationOf();
+  specification.mutable_mesh()->set_element_size(0.1);
+  v1::MapSpecification other = OnOtherMeshes(specification);
+  EXPECT_EQ(other.mesh().element_size(), 0.1);
+  EXPECT_EQ(other.mesh().size_scale(), 0.8);
+  EXPECT_EQ(other.airflow().cells(), 58593);
+  specification.mutable_mesh()->set_size_scale(0.5);
+  specification.mutable_airflow()->set_cells(5'000'000);
+  other = OnOtherMeshes(specification);
+  EXPECT_EQ(other.mesh().size_scale(), 0.625);
+  EXPECT_EQ(other.airflow().cells(), 2'560'000);
 }
 
 }  // namespace
