@@ -222,6 +222,7 @@ int RunService(int argc, char** argv, const ServiceDescription& description,
 
   const sigset_t signals = TakeEndingSignals();
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // who writes is told that a file may not grow further
   RaiseDescriptorLimit();
 
   absl::StatusOr<std::unique_ptr<RunningService>> running =

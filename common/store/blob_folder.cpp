@@ -25,9 +25,11 @@ namespace {
 
 constexpr const char* kParts = "parts";
 constexpr const char* kDiskFull = "the disk is full";
+constexpr const char* kFileLimit = "files may not become so large here";
 
 absl::Status Failed(const std::filesystem::path& path) {
   if (errno == ENOSPC || errno == EDQUOT) return StorageFailed(path.string(), kDiskFull);
+  if (errno == EFBIG) return StorageFailed(path.string(), kFileLimit);
   return StorageFailed(path.string(), std::strerror(errno));
 }
 
@@ -125,7 +127,8 @@ class FileBlobWriter final : public BlobWriter {
 
 bool IsDiskFull(const absl::Status& status) {
   const ErrorDetail detail = DetailOf(status);
-  return detail.reason == "STORAGE_FAILED" && status == StorageFailed(detail.field, kDiskFull);
+  return detail.reason == "STORAGE_FAILED" && (status == StorageFailed(detail.field, kDiskFull) ||
+                                               status == StorageFailed(detail.field, kFileLimit));
 }
 
 BlobFolder::BlobFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}

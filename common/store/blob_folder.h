@@ -31,7 +31,8 @@ class BlobWriter {
   virtual absl::StatusOr<std::string> Finish() = 0;
 };
 
-// Whether a failure to write a blob is for want of room on the disk.
+// Whether a failure to write a blob is for want of room: on the disk, or within what a file may
+// grow to there or in this process.
 bool IsDiskFull(const absl::Status& status);
 
 class BlobFolder {

@@ -26,12 +26,12 @@ class InterpolatorServiceTest : public ::testing::Test {
     StartInterpolator({});
   }
 
-  // With these flags beside the usual ones, on a state of its own.
-  void StartInterpolator(std::vector<std::string> flags) {
+  // With these flags beside the usual ones, on a state of its own, or the store of this URL.
+  void StartInterpolator(std::vector<std::string> flags, const std::string& store = {}) {
     flags.insert(flags.end(),
                  {"--peer=simulator=" + port_.address(), "--peer=catalog=" + port_.address()});
-    interpolator_ =
-        std::make_unique<testing::ServiceUnderTest>("mortise-interpolator", std::move(flags));
+    interpolator_ = std::make_unique<testing::ServiceUnderTest>("mortise-interpolator",
+                                                                std::move(flags), store);
     Connect();
   }
 
