@@ -283,7 +283,9 @@ TEST(OutsideErrors, LeaveOutputsTheirValuesWhereTheyFail) {
     EXPECT_NEAR(value, bump(point), .05);
     const bool fails = kHole(sampling, map.tree().Locate(point)).failed;
     there += fails ? 1 : 0;
-    if (fails) EXPECT_LE(error, .02);
+    if (fails) {
+      EXPECT_LE(error, .02);
+    }
   }
   EXPECT_GT(there, 100);
 }
