@@ -4,8 +4,10 @@
 #include <sys/resource.h>
 
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "tests/integration/services/interpolator/shaped_maps_fixture.h"
 #include "tests/support/private_postgresql.h"
