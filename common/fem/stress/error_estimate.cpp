@@ -5,27 +5,11 @@
 #include <cmath>
 
 #include "common/fem/elements/shape_functions.h"
+#include "common/fem/stress/element_stress.h"
 #include "common/fem/stress/part_surface.h"
 #include "common/fem/stress/stress_recovery.h"
 
 namespace mortise::simulator {
-namespace {
-
-// Stress of one element at a point, from the values of its nodes.
-struct ElementStress {
-  const Matrix6d& stiffness;
-  const Vector6d& expansion;
-  const GradientMatrix& displacement;
-  const ShapeVector& temperature;  // empty if nothing is warm
-
-  Vector6d At(const ElementPoint& point, const ShapeVector& shape) const {
-    Vector6d strain = StrainOf(displacement * point.gradients.transpose());
-    if (temperature.size() > 0) strain -= shape.dot(temperature) * expansion;
-    return stiffness * strain;
-  }
-};
-
-}  // namespace
 
 ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
                             const std::vector<Material>& materials,
@@ -36,37 +20,29 @@ ErrorEstimate EstimateError(const mesh::TetrahedralMesh& mesh,
   const PartSurface surface(mesh, part_nodes);
   const Stresses smooth = RecoverAtSlots({mesh, materials, displacement, temperature, traction},
                                          part_nodes, surface, team);
-  std::vector<Matrix6d> stiffness, compliance;
-  std::vector<Vector6d> expansion;
+  std::vector<Matrix6d> compliance;
   for (const Material& material : materials) {
-    stiffness.push_back(StiffnessMatrix(material));
-    compliance.push_back(stiffness.back().inverse());
-    expansion.push_back(ThermalStrain(material));
+    compliance.push_back(StiffnessMatrix(material).inverse());
   }
   const int nodes = static_cast<int>(mesh.tetrahedra.rows());
   const int elements = static_cast<int>(mesh.tetrahedra.cols());
   const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 5 : 2);
   Eigen::VectorXd error(elements), energy(elements);  // both squared
   team.ForRanges(elements, [&](int begin, int end) {
-    GradientMatrix u(3, nodes);
-    ShapeVector warmth(temperature.size() > 0 ? nodes : 0);
+    ElementStress stress(mesh, materials, displacement, temperature);
     Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaximumNodes> recovered(6, nodes);
     for (int e = begin; e < end; ++e) {
-      const GradientMatrix positions = ElementPositions(mesh, e);
+      stress.MoveTo(e);
       for (int k = 0; k < nodes; ++k) {
-        const int node = mesh.tetrahedra(k, e);
-        u.col(k) = displacement.col(node);
-        if (warmth.size() > 0) warmth[k] = temperature[node];
         recovered.col(k) = smooth.col(part_nodes.element_slots()(k, e));
       }
       const int part = mesh.part[e];
-      const ElementStress stress{stiffness[part], expansion[part], u, warmth};
       error[e] = energy[e] = 0;
       for (const TetrahedronPoint& at : rule) {
-        const ElementPoint point = EvaluateElement(positions, at.barycentric);
+        const ElementPoint point = EvaluateElement(stress.positions(), at.barycentric);
         const ShapeVector shape = TetrahedronShape(at.barycentric, nodes);
         const double volume = at.weight * point.determinant / 6;
-        const Vector6d own = stress.At(point, shape);
+        const Vector6d own = stress.At(point, at.barycentric);
         const Vector6d difference = recovered * shape - own;
         error[e] += volume * difference.dot(compliance[part] * difference);
         energy[e] += volume * own.dot(compliance[part] * own);

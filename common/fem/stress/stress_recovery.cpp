@@ -4,38 +4,23 @@
 #include <cmath>
 
 #include "common/fem/elements/shape_functions.h"
+#include "common/fem/stress/element_stress.h"
 
 namespace mortise::simulator {
+
 Stresses StressAtPoints(const mesh::TetrahedralMesh& mesh, const std::vector<Material>& materials,
                         const Eigen::Matrix3Xd& displacement, const Eigen::VectorXd& temperature,
                         ThreadTeam& team) {
-  std::vector<Matrix6d> stiffness;
-  std::vector<Vector6d> expansion;
-  for (const Material& material : materials) {
-    stiffness.push_back(StiffnessMatrix(material));
-    expansion.push_back(ThermalStrain(material));
-  }
-  const int nodes = static_cast<int>(mesh.tetrahedra.rows());
   const auto& rule = TetrahedronRule(mesh.IsQuadratic() ? 2 : 1);
   const Eigen::Index points = static_cast<Eigen::Index>(rule.size());
   Stresses stress(6, points * mesh.tetrahedra.cols());
   team.ForRanges(static_cast<int>(mesh.tetrahedra.cols()), [&](int begin, int end) {
-    GradientMatrix u(3, nodes);
-    ShapeVector warmth = ShapeVector::Zero(nodes);
+    ElementStress of_element(mesh, materials, displacement, temperature);
     for (Eigen::Index e = begin; e < end; ++e) {
-      const GradientMatrix positions = ElementPositions(mesh, e);
-      for (int k = 0; k < nodes; ++k) {
-        u.col(k) = displacement.col(mesh.tetrahedra(k, e));
-        if (temperature.size() > 0) warmth[k] = temperature[mesh.tetrahedra(k, e)];
-      }
+      of_element.MoveTo(e);
       for (Eigen::Index p = 0; p < points; ++p) {
-        const ElementPoint point = EvaluateElement(positions, rule[p].barycentric);
-        Vector6d strain = StrainOf(u * point.gradients.transpose());
-        if (temperature.size() > 0) {
-          strain -=
-              TetrahedronShape(rule[p].barycentric, nodes).dot(warmth) * expansion[mesh.part[e]];
-        }
-        stress.col(points * e + p) = stiffness[mesh.part[e]] * strain;
+        const ElementPoint point = EvaluateElement(of_element.positions(), rule[p].barycentric);
+        stress.col(points * e + p) = of_element.At(point, rule[p].barycentric);
       }
     }
   });
