@@ -104,6 +104,18 @@ std::vector<MetricDescription> MetricsUnderLoads() {
        kWithGradient},
       {kStressRatio, "stress_ratio", "1",
        "Largest von Mises stress of a part over its material's strength.", kLoads, kWithGradient},
+      {kMeanVonMises, "mean_von_mises", "Pa", "Mean of the von Mises stress over the volume.",
+       kLoads, kWithGradient},
+      {kRmsVonMises, "rms_von_mises", "Pa",
+       "Root of the mean of the squared von Mises stress over the volume: the more above the mean, "
+       "the less evenly it is spread.",
+       kLoads, kWithGradient},
+      {kVonMisesP99, "von_mises_p99", "Pa",
+       "Von Mises stress that 99 % of the volume is below: other than the largest, it has a limit "
+       "at sharp inner corners.",
+       kLoads},
+      {kVonMisesIntegral, "von_mises_integral", "N*m",
+       "Integral of the von Mises stress over the volume.", kLoads, kWithGradient},
       {kRelativeError, "relative_error", "1",
        "Estimated error of the stresses, as a share of all, in the energy norm: 0.05 is good.",
        kLoads}};

@@ -56,8 +56,15 @@ enum class BuiltInMetric {
   kCompliance,
   kStrainEnergy,
   kStressRatio,
+  kMeanVonMises,
+  kRmsVonMises,
+  kVonMisesP99,
+  kVonMisesIntegral,
   kRelativeError,
 };
+
+// The share of the volume that is below von_mises_p99.
+inline constexpr double kShareBelowP99 = 0.99;
 
 // What a metric is computed from, and so how long it takes.
 enum class MetricSource {

@@ -1,5 +1,5 @@
-// Functions of named faces and points that custom metrics can use: area('rim'),
-// distance('jaw', 'grip').
+// Functions of named faces, points and parts that custom metrics can use: area('rim'),
+// distance('jaw', 'grip'), mean_von_mises('top').
 #pragma once
 
 #include <string>
@@ -15,12 +15,20 @@ enum class MetricFunctionSource {
   kHeat,   // a mesh and its temperatures
 };
 
+// What the first place of a function may be.
+enum class MetricPlaceKind {
+  kFaceOrPoint,
+  kFace,
+  kPart,
+  kAny,  // a face, a point or a part
+};
+
 struct MetricFunction {
   std::string name;
   std::string unit;  // SI
   MetricFunctionSource source = MetricFunctionSource::kShape;
-  int places = 1;         // how many names of places it takes
-  bool of_faces = false;  // whether the first of them must be a face; else it may be a point
+  int places = 1;                                        // how many names of places it takes
+  MetricPlaceKind kind = MetricPlaceKind::kFaceOrPoint;  // of the first of them
   std::string description = {};
 };
 
@@ -33,7 +41,7 @@ const MetricFunction* FindMetricFunction(std::string_view name);
 // A function of places: area('rim').
 struct MetricCall {
   const MetricFunction* function = nullptr;
-  std::vector<std::string> places;  // names of points, conditions or faces
+  std::vector<std::string> places;  // names of points, conditions, faces or parts
   // Under loads: the load case; empty for the one where the value is largest, whatever its sign.
   std::string load_case = {};
 

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/design/metric_registry.h"
 #include "common/mesh/files/vtu_writer.h"
 
 namespace mortise::simulator {
 
 CaseOutcome OutcomeOf(const std::string& name, const mesh::TetrahedralMesh& mesh,
                       const ElasticitySolution& solution, double relative_error,
+                      const StressSpread& spread,
                       const std::vector<std::vector<int>>& support_nodes) {
   CaseOutcome outcome;
   outcome.name = name;
@@ -20,6 +22,10 @@ CaseOutcome OutcomeOf(const std::string& name, const mesh::TetrahedralMesh& mesh
   outcome.maximum_von_mises_at = mesh.nodes.col(worst);
   outcome.maximum_displacement_at = mesh.nodes.col(solution.summary.maximum_displacement_node);
   outcome.maximum_principal = solution.maximum_principal.maxCoeff();
+  outcome.mean_von_mises = spread.Mean();
+  outcome.rms_von_mises = spread.RootMeanSquare();
+  outcome.von_mises_p99 = spread.Percentile(kShareBelowP99);
+  outcome.von_mises_integral = spread.Integral();
   outcome.relative_error = relative_error;
   outcome.part_maximum_von_mises = solution.part_maximum_von_mises;
   outcome.part_safety_factor = solution.part_safety_factor;
@@ -37,6 +43,9 @@ HeatOutcome OutcomeOf(const HeatSolution& solution) {
           .through_temperatures = solution.reaction.sum(),
           .convected = {solution.convected.begin(), solution.convected.end()}};
 }
+
+// The sum of squares is what grows most.
+bool IsFinite(const StressSpread& spread) { return std::isfinite(spread.RootMeanSquare()); }
 
 bool IsFinite(const ElasticitySolution& solution) {
   const ElasticitySummary& summary = solution.summary;

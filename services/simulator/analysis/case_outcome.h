@@ -10,6 +10,7 @@
 #include "common/fem/problems/elasticity.h"
 #include "common/fem/problems/heat_conduction.h"
 #include "common/fem/stress/error_estimate.h"
+#include "common/fem/stress/stress_spread.h"
 #include "common/mesh/tetrahedral_mesh.h"
 
 namespace mortise::simulator {
@@ -22,10 +23,14 @@ struct CaseOutcome {
   Eigen::Vector3d maximum_von_mises_at = Eigen::Vector3d::Zero();     // m
   Eigen::Vector3d maximum_displacement_at = Eigen::Vector3d::Zero();  // m
   double maximum_principal = 0;                                       // Pa
-  double relative_error = 0;               // estimated, of the energy norm
-  Eigen::VectorXd part_maximum_von_mises;  // parts, Pa
-  Eigen::VectorXd part_safety_factor;      // parts; infinite where strength is unknown
-  std::vector<Eigen::Vector3d> reactions;  // N, of each support
+  // Of the von Mises stress over the volume:
+  double mean_von_mises = 0, rms_von_mises = 0;  // Pa
+  double von_mises_p99 = 0;                      // Pa: 99 % of the volume is below it
+  double von_mises_integral = 0;                 // N m
+  double relative_error = 0;                     // estimated, of the energy norm
+  Eigen::VectorXd part_maximum_von_mises;        // parts, Pa
+  Eigen::VectorXd part_safety_factor;            // parts; infinite where strength is unknown
+  std::vector<Eigen::Vector3d> reactions;        // N, of each support
 };
 
 struct HeatOutcome {
@@ -38,11 +43,13 @@ struct HeatOutcome {
 // Returns the outcome of a load case. `support_nodes` has the nodes of each support.
 CaseOutcome OutcomeOf(const std::string& name, const mesh::TetrahedralMesh& mesh,
                       const ElasticitySolution& solution, double relative_error,
+                      const StressSpread& spread,
                       const std::vector<std::vector<int>>& support_nodes);
 
 HeatOutcome OutcomeOf(const HeatSolution& solution);
 
 // Whether every number that is told or shown is finite.
+bool IsFinite(const StressSpread& spread);
 bool IsFinite(const ElasticitySolution& solution);
 bool IsFinite(const HeatSolution& solution);
 

@@ -17,6 +17,7 @@
 #include "services/simulator/analysis/design_solver.h"
 #include "services/simulator/analysis/mesh_analysis.h"
 #include "services/simulator/analysis/metric_values.h"
+#include "services/simulator/analysis/place_functions.h"
 
 namespace mortise::simulator {
 namespace {
@@ -113,6 +114,17 @@ absl::StatusOr<ModalSolution> Vibrate(const DesignModel& model, const mesh::Tetr
   return vibration;
 }
 
+// Whether any of what is needed tells how the stress is spread over the volume.
+bool NeedsSpread(const parametric::MetricExpressions::Needs& needs) {
+  return std::any_of(needs.metrics.begin(), needs.metrics.end(),
+                     [](const std::string& name) {
+                       const MetricDescription* const known = FindMetric(name);
+                       return known != nullptr && IsOfSpread(known->metric);
+                     }) ||
+         std::any_of(needs.calls.begin(), needs.calls.end(),
+                     [](const parametric::MetricCall& call) { return IsOfSpread(call); });
+}
+
 // Points are where their coordinates say, whatever the shape.
 bool OfPointsAlone(const parametric::MetricCall& call, const parametric::MetricExpressions& own) {
   return std::all_of(call.places.begin(), call.places.end(),
@@ -181,7 +193,7 @@ struct AnalysisPlan {
   bool airflow = false;                         // the air around it
   int modes = 0;                                // how many natural modes
   bool mesh = false;                            // a mesh, if nothing else needs it
-  bool estimates = false;                       // the error of each load case
+  CaseDetails details = {};                     // of each load case
   std::vector<std::string> with_gradient = {};  // the metrics that have one
 
   bool needs_mesh() const { return mesh || loads || heat || modes > 0; }
@@ -206,10 +218,10 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   if (plan.heat && !model.heat) {
     return PreconditionFailed("NO_HEAT", "there is no condition of heat", "boundary_conditions");
   }
-  const std::vector<std::string> needed = options.custom_metrics.NeedsOf(metrics).metrics;
-  plan.estimates =
-      fields || std::find(needed.begin(), needed.end(),
-                          DescriptionOf(BuiltInMetric::kRelativeError).name) != needed.end();
+  const auto needed = options.custom_metrics.NeedsOf(metrics);
+  plan.details.error = fields || std::count(needed.metrics.begin(), needed.metrics.end(),
+                                            DescriptionOf(BuiltInMetric::kRelativeError).name) > 0;
+  plan.details.spread = fields || NeedsSpread(needed);
   std::copy_if(metrics.begin(), metrics.end(), std::back_inserter(plan.with_gradient),
                [&](const std::string& name) { return HasGradient(name, options.custom_metrics); });
   return plan;
@@ -274,7 +286,7 @@ absl::StatusOr<Gradients> SolveDesign(const AnalysisPlan& plan, const DesignMode
   if (plan.needs_mesh()) {
     MORTISE_ASSIGN_OR_RETURN(straight, MakeMesh(model, options, analysis));
   }
-  const DesignSolver solver(model, options, plan.estimates, plan.with_gradient);
+  const DesignSolver solver(model, options, plan.details, plan.with_gradient);
   Gradients gradients;
   if (options.motion != nullptr) gradients = GradientsOfShape(model, plan.with_gradient, options);
   if (plan.loads) {

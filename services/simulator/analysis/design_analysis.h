@@ -19,6 +19,7 @@
 #include "common/fem/problems/heat_conduction.h"
 #include "common/fem/problems/modal_analysis.h"
 #include "common/fem/stress/error_estimate.h"
+#include "common/fem/stress/stress_spread.h"
 #include "common/mesh/control_variables.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/mesh/tetrahedra/mesher.h"
@@ -101,6 +102,7 @@ struct SolvedCase {
   std::string name;
   ElasticitySolution solution;
   std::optional<ErrorEstimate> error;  // where the metrics, the files or a refinement need it
+  std::optional<StressSpread> spread;  // where the metrics or the files need it
 };
 
 // All that was computed. Without a metric that needs them there are no mesh, cases, heat, modes and

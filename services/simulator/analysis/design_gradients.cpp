@@ -9,13 +9,13 @@
 #include "common/base/errors.h"
 #include "common/design/metric_registry.h"
 #include "common/fem/elements/loads.h"
-#include "common/fem/elements/point_location.h"
 #include "common/fem/elements/shape_derivative.h"
-#include "common/fem/elements/shape_functions.h"
 #include "common/fem/stress/stress_derivative.h"
 #include "common/fem/stress/stress_recovery.h"
+#include "common/fem/stress/stress_spread.h"
 #include "common/fem/stress/surface_traction.h"
 #include "services/simulator/analysis/design_solver.h"
+#include "services/simulator/analysis/place_displacement.h"
 #include "services/simulator/analysis/place_functions.h"
 
 namespace mortise::simulator {
@@ -256,6 +256,46 @@ class StressGradients {
   std::map<std::size_t, Recovered> recovered_;
 };
 
+// Which measure of a spread a metric or function of this name is; nothing if it is none that has a
+// gradient whatever place it is of.
+std::optional<SpreadMeasure> MeasureOf(BuiltInMetric metric) {
+  switch (metric) {
+    case BuiltInMetric::kMeanVonMises:
+      return SpreadMeasure::kMean;
+    case BuiltInMetric::kRmsVonMises:
+      return SpreadMeasure::kRootMeanSquare;
+    case BuiltInMetric::kVonMisesIntegral:
+      return SpreadMeasure::kIntegral;
+    default:
+      return std::nullopt;
+  }
+}
+std::optional<SpreadMeasure> MeasureOf(const MetricCall& call) {
+  // Functions of parts are called as the metric is that is of all parts.
+  if (call.function->kind != parametric::MetricPlaceKind::kPart) return std::nullopt;
+  return MeasureOf(FindMetric(call.function->name)->metric);
+}
+
+// In the worst of the load cases, or in the one of this name; over a part, or all where it is -1.
+absl::StatusOr<Eigen::VectorXd> GradientOf(SpreadMeasure measure, int part,
+                                           const std::string& load_case, const SolvedLoads& solved,
+                                           const AdjointGradients& gradients) {
+  ThreadTeam team(solved.threads);
+  std::size_t worst = 0;
+  std::optional<SpreadDerivative> of_worst;
+  for (std::size_t c = 0; c < solved.cases.size(); ++c) {
+    if (!load_case.empty() && load_case != solved.cases[c].name) continue;
+    SpreadDerivative derivative =
+        DerivativeOf(measure, solved.mesh, solved.model.analysis.materials,
+                     solved.cases[c].solution.displacement, part, team);
+    if (of_worst && derivative.value <= of_worst->value) continue;
+    worst = c;
+    of_worst = std::move(derivative);
+  }
+  if (!of_worst) return InvalidField("metric_definitions", "there is no such load case");
+  return gradients.Of(worst, of_worst->by_displacement, of_worst->by_position);
+}
+
 // The gradient of a metric under loads that has one.
 absl::StatusOr<Eigen::VectorXd> GradientOf(BuiltInMetric metric, const SolvedLoads& solved,
                                            const AdjointGradients& gradients,
@@ -267,6 +307,9 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(BuiltInMetric metric, const SolvedLoa
     return gradients.Compliance(
         Worst(solved.cases, [](const SolvedCase& of) { return of.solution.summary.compliance; }));
   };
+  if (const auto measure = MeasureOf(metric)) {
+    return GradientOf(*measure, -1, "", solved, gradients);
+  }
   switch (metric) {
     case BuiltInMetric::kMaxVonMises:
       return of_stress().VonMisesOf();
@@ -288,91 +331,13 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(BuiltInMetric metric, const SolvedLoa
   }
 }
 
-// A displacement of a place, and its derivatives.
-struct PlaceDisplacement {
-  double value = 0;                             // m
-  Eigen::Matrix3Xd by_field, by_position = {};  // 3 × nodes
-  Eigen::VectorXd by_parameters = {};           // as a point moves with them; empty of a face
-};
-
-// The length of a displacement where `axis` is -1, else its component; and the derivative by it.
-std::pair<double, Eigen::Vector3d> Measured(const Eigen::Vector3d& u, int axis) {
-  if (axis < 0) return {u.norm(), u.normalized()};
-  return {u[axis], Eigen::Vector3d::Unit(axis)};
-}
-
-// A point stays where it is, or moves with the parameters; the mesh moves through it.
-absl::StatusOr<PlaceDisplacement> DisplacementOfPoint(
-    const mesh::TetrahedralMesh& mesh, const parametric::MetricExpressions::PlacedPoint& point,
-    const Eigen::Matrix3Xd& displacement, int axis) {
-  const LocatedPoint located = LocatePoints(mesh, {point.position})[0];
-  if (located.element < 0) {
-    return InvalidField("metric_definitions", "a point lies outside of the body");
-  }
-  const GradientMatrix positions = ElementPositions(mesh, located.element);
-  const ElementPoint at = EvaluateElement(positions, located.barycentric);
-  const ShapeVector shape =
-      TetrahedronShape(located.barycentric, static_cast<int>(positions.cols()));
-  Eigen::Vector3d u = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d by_u = Eigen::Matrix3d::Zero();  // ∇u
-  for (Eigen::Index a = 0; a < positions.cols(); ++a) {
-    const Eigen::Vector3d of_node = displacement.col(mesh.tetrahedra(a, located.element));
-    u += shape[a] * of_node;
-    by_u += of_node * at.gradients.col(a).transpose();
-  }
-  const auto [value, direction] = Measured(u, axis);
-  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  PlaceDisplacement place{value, none, none,
-                          point.velocity.transpose() * by_u.transpose() * direction};
-  for (Eigen::Index a = 0; a < positions.cols(); ++a) {
-    const int node = mesh.tetrahedra(a, located.element);
-    place.by_field.col(node) = shape[a] * direction;
-    place.by_position.col(node) = -shape[a] * (by_u.transpose() * direction);
-  }
-  return place;
-}
-
-PlaceDisplacement LargestOnFace(const mesh::TetrahedralMesh& mesh,
-                                const std::vector<int>& triangles,
-                                const Eigen::Matrix3Xd& displacement, int axis) {
-  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, mesh.nodes.cols());
-  PlaceDisplacement largest{0, none, none};
-  int at = -1;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  for (const int t : triangles) {
-    for (const int node : mesh.face_triangles.col(t)) {
-      const auto [value, by_u] = Measured(displacement.col(node), axis);
-      if (at >= 0 && !(std::abs(value) > std::abs(largest.value))) continue;
-      at = node;
-      largest.value = value;
-      direction = by_u;
-    }
-  }
-  if (at >= 0) largest.by_field.col(at) = direction;
-  return largest;
-}
-
-absl::StatusOr<PlaceDisplacement> DisplacementOf(const MetricCall& call, const SolvedLoads& solved,
-                                                 const SolvedCase& of) {
-  const std::string& function = call.function->name;
-  const Eigen::Matrix3Xd& displacement = of.solution.displacement;
-  const int axis = function.ends_with("displacement") ? -1 : function.back() - 'x';
-  MORTISE_ASSIGN_OR_RETURN(const auto point, solved.own.PointAt(call.places[0], solved.parameters));
-  if (point) return DisplacementOfPoint(solved.mesh, *point, displacement, axis);
-  const auto face = FindFace(solved.model, call.places[0]);
-  if (!face) return InvalidField("metric_definitions", "there is no face " + call.places[0]);
-  const std::vector<int> triangles = TrianglesOn(solved.mesh, *face, false);
-  if (function.starts_with("max")) {
-    return LargestOnFace(solved.mesh, triangles, displacement, axis);
-  }
-  FaceMean mean = axis < 0 ? MeanLengthOverTriangles(solved.mesh, triangles, displacement)
-                           : MeanOverTriangles(solved.mesh, triangles, displacement,
-                                               Eigen::Vector3d::Unit(axis));
-  return PlaceDisplacement{mean.value, std::move(mean.by_field), std::move(mean.by_position)};
-}
-
 absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedLoads& solved,
                                            const AdjointGradients& gradients) {
+  if (const auto measure = MeasureOf(call)) {
+    const std::optional<int> part = FindPart(solved.model.surface, call.places[0]);
+    if (!part) return InvalidField("metric_definitions", "there is no part " + call.places[0]);
+    return GradientOf(*measure, *part, call.load_case, solved, gradients);
+  }
   std::size_t worst = 0;
   std::optional<PlaceDisplacement> of_worst;
   for (std::size_t c = 0; c < solved.cases.size(); ++c) {
@@ -394,7 +359,7 @@ absl::StatusOr<Eigen::VectorXd> GradientOf(const MetricCall& call, const SolvedL
 
 bool HasGradientUnderLoads(const MetricCall& call) {
   return call.function->name.starts_with("mean_displacement") ||
-         call.function->name.starts_with("max_displacement");
+         call.function->name.starts_with("max_displacement") || MeasureOf(call).has_value();
 }
 
 std::optional<Eigen::VectorXd> GradientOfShape(const MetricCall& call, const DesignModel& model,

@@ -39,7 +39,8 @@ struct DesignMotion {
 };
 
 // Whether the gradient of a call is known under loads: it is of displacements of faces and points,
-// mean or largest, in all or along an axis.
+// mean or largest, in all or along an axis, and of the integral and the mean square of the stress
+// in parts.
 bool HasGradientUnderLoads(const parametric::MetricCall& call);
 
 // Returns the gradient of an area, a centroid or a distance of faces and points; nothing where a

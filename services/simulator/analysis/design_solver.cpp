@@ -26,12 +26,14 @@ std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model) {
 }
 
 DesignSolver::DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options,
-                           bool estimates, std::vector<std::string> gradients)
+                           CaseDetails details, std::vector<std::string> gradients)
     : model_(model),
       options_(options),
       load_cases_(LoadCasesOf(model)),
-      estimates_(estimates || options.wanted_error > 0),
-      gradients_(std::move(gradients)) {}
+      details_(details),
+      gradients_(std::move(gradients)) {
+  details_.error = details.error || options.wanted_error > 0;
+}
 
 absl::StatusOr<HeatSolution> DesignSolver::Heat(const mesh::TetrahedralMesh& mesh) const {
   Begin("heat");
@@ -76,10 +78,7 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
     SolvedCase& of = solved.cases.emplace_back();
     of.name = load_cases_[i].name;
     MORTISE_ASSIGN_OR_RETURN(of.solution, system.Solve(loads));
-    if (estimates_) {
-      of.error = EstimateError(mesh, model_.analysis.materials, of.solution.displacement,
-                               of.solution.temperature, team, of.solution.traction);
-    }
+    AddDetails(mesh, team, of);
   }
   if (options_.motion != nullptr && !options_.motion->faces.empty() &&
       AllowsGradients(model_, *options_.motion)) {
@@ -96,6 +95,19 @@ absl::StatusOr<SolvedDesign> DesignSolver::Solve(const mesh::TetrahedralMesh& me
     }
   }
   return solved;
+}
+
+void DesignSolver::AddDetails(const mesh::TetrahedralMesh& mesh, ThreadTeam& team,
+                              SolvedCase& of) const {
+  const std::vector<Material>& materials = model_.analysis.materials;
+  const ElasticitySolution& solution = of.solution;
+  if (details_.error) {
+    of.error = EstimateError(mesh, materials, solution.displacement, solution.temperature, team,
+                             solution.traction);
+  }
+  if (details_.spread) {
+    of.spread = SpreadOf(mesh, materials, solution.displacement, solution.temperature, team);
+  }
 }
 
 void DesignSolver::Begin(std::string stage) const {

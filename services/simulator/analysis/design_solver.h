@@ -23,12 +23,18 @@ struct SolvedDesign {
 // Returns what every load case of a model is: what acts in all, and its own.
 std::vector<NamedLoadCase> LoadCasesOf(const DesignModel& model);
 
+// What is found of each load case besides its solution.
+struct CaseDetails {
+  bool error = false;   // an estimate of how far off it is
+  bool spread = false;  // how the stress is spread over the volume
+};
+
 class DesignSolver {
  public:
-  // `model` and `options` must outlive it. With `estimates`, or where a refinement is wanted, the
-  // error of each load case is estimated. Gradients are those of the metrics `gradients`, where
-  // the options say how the design moves.
-  DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, bool estimates,
+  // `model` and `options` must outlive it. Where a refinement is wanted, errors are estimated in
+  // any case. Gradients are those of the metrics `gradients`, where the options say how the design
+  // moves.
+  DesignSolver(const DesignModel& model, const DesignAnalysisOptions& options, CaseDetails details,
                std::vector<std::string> gradients = {});
 
   // Returns the temperatures of a model that has heat; fails as SolveHeat.
@@ -39,13 +45,14 @@ class DesignSolver {
   absl::StatusOr<SolvedDesign> Solve(const mesh::TetrahedralMesh& mesh, bool heat_wanted) const;
 
  private:
+  void AddDetails(const mesh::TetrahedralMesh& mesh, ThreadTeam& team, SolvedCase& of) const;
   void Begin(std::string stage) const;
   std::string StageOf(std::size_t index) const;
 
   const DesignModel& model_;
   const DesignAnalysisOptions& options_;
   const std::vector<NamedLoadCase> load_cases_;
-  const bool estimates_;
+  CaseDetails details_;
   const std::vector<std::string> gradients_;
 };
 

@@ -244,8 +244,11 @@ class Analyst {
         EstimateError(model_.mesh, model_.materials, solution.displacement, solution.temperature,
                       team_, solution.traction);
     if (!std::isfinite(estimate.relative)) return NotFinite(field);
+    const StressSpread spread =
+        SpreadOf(model_.mesh, model_.materials, solution.displacement, solution.temperature, team_);
+    if (!IsFinite(spread)) return NotFinite(field);
     analysis_.cases.push_back(
-        OutcomeOf(name, model_.mesh, solution, estimate.relative, model_.support_nodes));
+        OutcomeOf(name, model_.mesh, solution, estimate.relative, spread, model_.support_nodes));
 
     ProbedFields fields;
     fields.displacement = solution.displacement;

@@ -80,6 +80,14 @@ absl::StatusOr<double> ValueUnderLoads(BuiltInMetric metric, const DesignModel& 
       return solution.summary.strain_energy;
     case BuiltInMetric::kStressRatio:
       return StressRatio(model, solution);
+    case BuiltInMetric::kMeanVonMises:
+      return solved.spread->Mean();
+    case BuiltInMetric::kRmsVonMises:
+      return solved.spread->RootMeanSquare();
+    case BuiltInMetric::kVonMisesP99:
+      return solved.spread->Percentile(kShareBelowP99);
+    case BuiltInMetric::kVonMisesIntegral:
+      return solved.spread->Integral();
     case BuiltInMetric::kRelativeError:
       return solved.error->relative;
     default:
@@ -88,6 +96,12 @@ absl::StatusOr<double> ValueUnderLoads(BuiltInMetric metric, const DesignModel& 
 }
 
 }  // namespace
+
+bool IsOfSpread(BuiltInMetric metric) {
+  using enum BuiltInMetric;
+  return metric == kMeanVonMises || metric == kRmsVonMises || metric == kVonMisesP99 ||
+         metric == kVonMisesIntegral;
+}
 
 mesh::SurfaceMesh OutsideOf(const mesh::AssemblySurface& surface) {
   mesh::SurfaceMesh outside{surface.vertices, surface.triangles};

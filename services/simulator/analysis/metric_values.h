@@ -12,6 +12,10 @@
 
 namespace mortise::simulator {
 
+// Whether a metric tells how the stress is spread over the volume, for which each load case needs
+// its spread.
+bool IsOfSpread(BuiltInMetric metric);
+
 // Returns all of a surface that lies between no two parts.
 mesh::SurfaceMesh OutsideOf(const mesh::AssemblySurface& surface);
 

@@ -59,6 +59,16 @@ std::vector<int> NodesOn(const mesh::TetrahedralMesh& mesh, const mesh::NamedFac
   return nodes;
 }
 
+// The first dozen of some names, in order.
+std::string Told(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  const std::size_t more = names.size() - std::min(names.size(), kNamesTold);
+  names.resize(names.size() - more);
+  return absl::StrCat(absl::StrJoin(names, ", "),
+                      more > 0 ? absl::StrCat(" and ", more, " more") : "");
+}
+
 // Calls back with the shape functions of a triangle, its nodes, and the area at each point of the
 // rule.
 using AtPoint =
@@ -75,9 +85,10 @@ void Integrate(const mesh::TetrahedralMesh& mesh, const std::vector<int>& triang
   }
 }
 
-// The mean of |field| where `axis` is -1, else of its component. `field`: a column a node.
+// The mean over a face of what `measure` makes of a field's value. `field`: a column a node.
+using Measure = std::function<double(const Eigen::VectorXd& value)>;
 double MeanOver(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
-                const Eigen::MatrixXd& field, int axis) {
+                const Eigen::MatrixXd& field, const Measure& measure) {
   double area = 0;
   double sum = 0;
   Integrate(mesh, TrianglesOn(mesh, face, false),
@@ -87,7 +98,7 @@ double MeanOver(const mesh::TetrahedralMesh& mesh, const mesh::NamedFace& face,
                 value += shape[k] * field.col(nodes[k]);
               }
               area += piece;
-              sum += piece * (axis < 0 ? value.norm() : value[axis]);
+              sum += piece * measure(value);
             });
   return sum / area;
 }
@@ -110,6 +121,17 @@ absl::StatusOr<Eigen::VectorXd> AtPointOf(const mesh::TetrahedralMesh& mesh,
 
 }  // namespace
 
+bool IsOfSpread(const MetricCall& call) {
+  const std::string& function = call.function->name;
+  return function != "max_von_mises" && function.find("von_mises") != std::string::npos;
+}
+
+std::optional<int> FindPart(const mesh::AssemblySurface& surface, const std::string& name) {
+  const auto found = std::find(surface.part_names.begin(), surface.part_names.end(), name);
+  if (found == surface.part_names.end()) return std::nullopt;
+  return static_cast<int>(found - surface.part_names.begin());
+}
+
 std::string FaceText(const mesh::AssemblySurface& surface, const mesh::NamedFace& face) {
   if (surface.part_names.size() == 1) return face.name;
   return absl::StrCat(surface.part_names[static_cast<std::size_t>(face.part)], "/", face.name);
@@ -130,6 +152,20 @@ std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::str
   return std::nullopt;
 }
 
+namespace {
+
+// Says that there is no such place, and which faces there are.
+std::string NoPlace(const mesh::AssemblySurface& surface, const std::string& name) {
+  std::vector<std::string> names;
+  for (const mesh::AssemblyFace& face : surface.faces) {
+    for (const mesh::NamedFace& origin : face.origins) names.push_back(FaceText(surface, origin));
+  }
+  return absl::StrCat("there is no point, condition or face '", name, "'; faces are ",
+                      Told(std::move(names)));
+}
+
+}  // namespace
+
 PlaceFunctions::PlaceFunctions(const parametric::MetricExpressions& own,
                                const Eigen::VectorXd& parameters, const DesignModel& model,
                                const DesignAnalysis& analysis)
@@ -137,31 +173,35 @@ PlaceFunctions::PlaceFunctions(const parametric::MetricExpressions& own,
 
 absl::StatusOr<MetricPlace> PlaceFunctions::Find(const std::string& name) const {
   MORTISE_ASSIGN_OR_RETURN(const auto point, own_.PointAt(name, parameters_));
-  if (point) return MetricPlace{point->position, {}};
-  if (const auto face = FindFace(model_, name)) return MetricPlace{std::nullopt, *face};
-  std::vector<std::string> names;
-  for (const mesh::AssemblyFace& face : model_.surface.faces) {
-    for (const mesh::NamedFace& origin : face.origins) {
-      names.push_back(FaceText(model_.surface, origin));
-    }
+  if (point) return MetricPlace{.point = point->position};
+  if (const auto face = FindFace(model_, name)) return MetricPlace{.point = {}, .face = *face};
+  return InvalidField(kField, NoPlace(model_.surface, name));
+}
+
+absl::StatusOr<MetricPlace> PlaceFunctions::PlaceOf(const MetricCall& call) const {
+  using Kind = parametric::MetricPlaceKind;
+  const Kind kind = call.function->kind;
+  const std::string& name = call.places[0];
+  const std::optional<int> part = FindPart(model_.surface, name);
+  if (kind == Kind::kPart) {
+    if (part) return MetricPlace{.point = {}, .part = part};
+    return InvalidField(kField, absl::StrCat("there is no part '", name, "'; parts are ",
+                                             Told(model_.surface.part_names)));
   }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  const std::size_t more = names.size() - std::min(names.size(), kNamesTold);
-  names.resize(names.size() - more);
-  return InvalidField(kField, absl::StrCat("there is no point, condition or face '", name,
-                                           "'; faces are ", absl::StrJoin(names, ", "),
-                                           more > 0 ? absl::StrCat(" and ", more, " more") : ""));
+  absl::StatusOr<MetricPlace> place = Find(name);
+  if (kind == Kind::kAny && !place.ok() && !own_.HasPoint(name)) {
+    if (part) return MetricPlace{.point = {}, .part = part};
+    return InvalidField(kField, absl::StrCat(NoPlace(model_.surface, name), "; parts are ",
+                                             Told(model_.surface.part_names)));
+  }
+  if (kind == Kind::kFace && place.ok() && place->point) {
+    return InvalidField(
+        kField, absl::StrCat("'", name, "' is a point; ", call.function->name, " is of faces"));
+  }
+  return place;
 }
 
 absl::StatusOr<double> PlaceFunctions::Value(const MetricCall& call) const {
-  if (call.function->of_faces) {
-    MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
-    if (place.point) {
-      return InvalidField(kField, absl::StrCat("'", call.places[0], "' is a point; ",
-                                               call.function->name, " is of faces"));
-    }
-  }
   switch (call.function->source) {
     case MetricFunctionSource::kShape:
       return OfShape(call);
@@ -182,7 +222,7 @@ absl::StatusOr<Eigen::Vector3d> PlaceFunctions::PositionOf(const std::string& na
 
 absl::StatusOr<double> PlaceFunctions::OfShape(const MetricCall& call) const {
   if (call.function->name == "area") {
-    MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+    MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, PlaceOf(call));
     return MomentsOf(model_.surface, place.face).area;
   }
   MORTISE_ASSIGN_OR_RETURN(const Eigen::Vector3d position, PositionOf(call.places[0]));
@@ -192,12 +232,12 @@ absl::StatusOr<double> PlaceFunctions::OfShape(const MetricCall& call) const {
 }
 
 absl::StatusOr<double> PlaceFunctions::UnderLoads(const MetricCall& call) const {
-  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, PlaceOf(call));
   double worst = 0;
   bool is_there = false;
   for (const SolvedCase& solved : analysis_.cases) {
     if (!call.load_case.empty() && call.load_case != solved.name) continue;
-    MORTISE_ASSIGN_OR_RETURN(const double value, InCase(call, place, solved.solution));
+    MORTISE_ASSIGN_OR_RETURN(const double value, InCase(call, place, solved));
     if (!is_there || std::abs(value) > std::abs(worst)) worst = value;
     is_there = true;
   }
@@ -211,10 +251,11 @@ absl::StatusOr<double> PlaceFunctions::UnderLoads(const MetricCall& call) const 
 }
 
 absl::StatusOr<double> PlaceFunctions::InCase(const MetricCall& call, const MetricPlace& place,
-                                              const ElasticitySolution& solution) const {
+                                              const SolvedCase& solved) const {
   const std::string& function = call.function->name;
   const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
-  const int axis = AxisOf(function);
+  const ElasticitySolution& solution = solved.solution;
+  if (function.find("von_mises") != std::string::npos) return Stress(call, place, solved);
   if (function.starts_with("reaction") || function.starts_with("moment")) {
     Eigen::Vector3d about = Eigen::Vector3d::Zero();
     if (call.places.size() > 1) {
@@ -227,25 +268,70 @@ absl::StatusOr<double> PlaceFunctions::InCase(const MetricCall& call, const Metr
       force += reaction;
       moment += (mesh.nodes.col(node) - about).cross(reaction);
     }
+    const int axis = AxisOf(function);
     return call.places.size() > 1 ? moment[axis] : force[axis];
   }
+  return Displacement(call, place, solution);
+}
+
+absl::StatusOr<double> PlaceFunctions::Displacement(const MetricCall& call,
+                                                    const MetricPlace& place,
+                                                    const ElasticitySolution& solution) const {
+  const std::string& function = call.function->name;
+  const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
+  const int axis = AxisOf(function);
+  const Measure measure = [axis](const Eigen::VectorXd& displacement) {
+    return axis < 0 ? displacement.norm() : displacement[axis];
+  };
   if (place.point) {
     MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd displacement,
                              AtPointOf(mesh, call.places[0], *place.point, solution.displacement));
-    return axis < 0 ? displacement.norm() : displacement[axis];
+    return measure(displacement);
   }
-  if (function.starts_with("mean")) return MeanOver(mesh, place.face, solution.displacement, axis);
+  if (function.starts_with("mean")) {
+    return MeanOver(mesh, place.face, solution.displacement, measure);
+  }
   double largest = 0;
   for (const int node : NodesOn(mesh, place.face)) {
-    const Eigen::Vector3d displacement = solution.displacement.col(node);
-    const double value = axis < 0 ? displacement.norm() : displacement[axis];
+    const double value = measure(solution.displacement.col(node));
     if (std::abs(value) > std::abs(largest)) largest = value;
   }
   return largest;
 }
 
+// Over the volume, of the elements' own stress; on faces and at points, of what is recovered at
+// nodes, as the fields show it.
+absl::StatusOr<double> PlaceFunctions::Stress(const MetricCall& call, const MetricPlace& place,
+                                              const SolvedCase& solved) const {
+  const std::string& function = call.function->name;
+  const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
+  const ElasticitySolution& solution = solved.solution;
+  if (place.part) {
+    if (function == "max_von_mises") return solution.part_maximum_von_mises[*place.part];
+    const StressSpread spread = SpreadInPart(mesh, *solved.spread, *place.part);
+    if (function == "mean_von_mises") return spread.Mean();
+    if (function == "rms_von_mises") return spread.RootMeanSquare();
+    if (function == "von_mises_p99") return spread.Percentile(kShareBelowP99);
+    return spread.Integral();
+  }
+  if (place.point) {
+    MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd stress,
+                             AtPointOf(mesh, call.places[0], *place.point, solution.stress));
+    return VonMises(stress);
+  }
+  if (function == "mean_von_mises") {
+    return MeanOver(mesh, place.face, solution.stress,
+                    [](const Eigen::VectorXd& stress) { return VonMises(stress); });
+  }
+  double largest = 0;
+  for (const int node : NodesOn(mesh, place.face)) {
+    largest = std::max(largest, solution.von_mises[node]);
+  }
+  return largest;
+}
+
 absl::StatusOr<double> PlaceFunctions::OfHeat(const MetricCall& call) const {
-  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, Find(call.places[0]));
+  MORTISE_ASSIGN_OR_RETURN(const MetricPlace place, PlaceOf(call));
   const std::string& function = call.function->name;
   if (function == "heat_dissipation") return Dissipation(place.face);
   const mesh::TetrahedralMesh& mesh = *analysis_.mesh;
@@ -257,7 +343,8 @@ absl::StatusOr<double> PlaceFunctions::OfHeat(const MetricCall& call) const {
     return value[0];
   }
   if (function == "mean_temperature") {
-    return MeanOver(mesh, place.face, temperature.transpose(), 0);
+    return MeanOver(mesh, place.face, temperature.transpose(),
+                    [](const Eigen::VectorXd& value) { return value[0]; });
   }
   const std::vector<int> nodes = NodesOn(mesh, place.face);
   const Eigen::VectorXd on_face = temperature(nodes);

@@ -53,6 +53,10 @@ void Fill(const CaseOutcome& outcome, const std::vector<std::string>& parts,
   add(BuiltInMetric::kMaxDisplacement, summary.maximum_displacement);
   add(BuiltInMetric::kMaxVonMises, outcome.maximum_von_mises);
   add(BuiltInMetric::kMaxPrincipal, outcome.maximum_principal);
+  add(BuiltInMetric::kMeanVonMises, outcome.mean_von_mises);
+  add(BuiltInMetric::kRmsVonMises, outcome.rms_von_mises);
+  add(BuiltInMetric::kVonMisesP99, outcome.von_mises_p99);
+  add(BuiltInMetric::kVonMisesIntegral, outcome.von_mises_integral);
   add(BuiltInMetric::kStrainEnergy, summary.strain_energy);
   add(BuiltInMetric::kCompliance, summary.compliance);
   add(BuiltInMetric::kRelativeError, outcome.relative_error);

@@ -66,7 +66,7 @@ void FillCases(const DesignAnalysis& analysis, const DesignModel& model, v1::Ana
   const auto support_nodes = NodesOf(*analysis.mesh, model.analysis.supports);
   for (const SolvedCase& solved : analysis.cases) {
     Fill(OutcomeOf(solved.name, *analysis.mesh, solved.solution, solved.error->relative,
-                   support_nodes),
+                   *solved.spread, support_nodes),
          analysis.mesh->part_names, *message.add_cases());
   }
 }

@@ -15,6 +15,7 @@
 #include "common/templates/template_codec.h"
 #include "services/simulator/worker/subject_metrics.h"
 #include "services/simulator/worker/template_model.h"
+#include "tests/unit/common/mesh/box_assembly.h"
 #include "tests/unit/common/templates/conditioned_bars.h"
 
 namespace mortise::simulator {
@@ -104,6 +105,11 @@ TEST(CustomMetrics, SpeakOfFacesAndPointsOfEveryKindOfTemplate) {
       {"m", "max_displacement_x('end')", stretch},
       {"m", "mean_displacement_x('middle')", stretch / 2},
       {"m", "max_displacement('wall')", 0},
+      {"Pa", "mean_von_mises", 100 / 0.0016},
+      {"Pa", "max_von_mises('end') - mean_von_mises('wall')", 0},
+      {"Pa", "mean_von_mises('middle')", 100 / 0.0016},
+      {"1", "max_von_mises('end') / von_mises_p99", 1},
+      {"N m", "von_mises_integral", 100 * 0.4},
       {"N", "reaction_x('wall')", -100},
       {"N m", "moment_z('wall', 'origin')", 2},
       {"N m", "moment_y('wall', 'wall')", 0},
@@ -172,6 +178,46 @@ TEST(CustomMetrics, AreThoseOfTheLoadCaseNamedOrTheWorst) {
                         "pushed"));
 }
 
+// Two bars, one behind the other, the second of four times the section.
+TEST(CustomMetrics, SpeakOfTheStressOfParts) {
+  DesignModel model;
+  model.surface = mesh::AssembleBoxes(
+      {{"thin", {0, 0, 0}, {0.1, 0.02, 0.02}}, {"thick", {0.1, -0.01, -0.01}, {0.2, 0.03, 0.03}}});
+  model.analysis.materials.assign(2, {"test", 1000, 10e9, 0, 0});
+  model.analysis.supports.push_back({{1, "x_max"}});
+  model.analysis.forces.push_back({{0, "x_min"}, {-100, 0, 0}});
+  const std::vector<std::pair<std::string, std::string>> texts{
+      {"Pa", "mean_von_mises('thin')"},       {"Pa", "max_von_mises('thin')"},
+      {"Pa", "rms_von_mises('thin')"},        {"Pa", "von_mises_p99('thin')"},
+      {"N m", "von_mises_integral('thin')"},  {"N m", "von_mises_integral('thick', 'loads')"},
+      {"Pa", "mean_von_mises('thick/x_max')"}};
+  parametric::MetricDefinitions definitions;
+  std::vector<std::string> names;
+  for (const auto& [unit, text] : texts) {
+    names.push_back(absl::StrCat("m", names.size()));
+    definitions.expressions.push_back({names.back(), unit, text});
+  }
+  names.push_back("von_mises_integral");
+  std::vector<FieldViolation> findings;
+  DesignAnalysisOptions options;
+  options.mesh.element_size = 0.01;
+  options.custom_metrics = parametric::MetricExpressions(
+      definitions, {}, {}, UnitsOf(OfferedMetrics()), "metric_definitions", findings);
+  ASSERT_TRUE(findings.empty()) << findings[0].message;
+  const auto analysis = AnalyzeDesign(model, names, false, options);
+  ASSERT_TRUE(analysis.ok()) << analysis.status();
+  const double thin = 100 / 0.0004;
+  // Where the thin bar meets the thick one stress crowds into its corners.
+  EXPECT_NEAR(ValueOf(analysis, 0), thin, 0.03 * thin);
+  EXPECT_GT(ValueOf(analysis, 1), 1.05 * thin);
+  EXPECT_GT(ValueOf(analysis, 2), ValueOf(analysis, 0));
+  EXPECT_GT(ValueOf(analysis, 3), ValueOf(analysis, 2));
+  EXPECT_LT(ValueOf(analysis, 3), ValueOf(analysis, 1));
+  EXPECT_NEAR(ValueOf(analysis, 4), ValueOf(analysis, 0) * 0.1 * 0.0004, 1e-9);
+  EXPECT_NEAR(ValueOf(analysis, 4) + ValueOf(analysis, 5), ValueOf(analysis, 7), 1e-9);
+  EXPECT_NEAR(ValueOf(analysis, 6), thin / 4, 0.05 * thin / 4);
+}
+
 TEST(CustomMetrics, WithoutPhysicsNeedNoMeshAndNoSupports) {
   const EvaluatedTemplate bar = Compiled(templates::PartsBar(""));
   const auto analysis = Analyze(bar, Metric("kg/m^2", "mass / area('x_max')"));
@@ -208,6 +254,15 @@ TEST(CustomMetrics, TellWhatIsWrongWithTheirName) {
          "'p' is a point; area is of faces");
   expect("points { name: 'p' x: '9' } " + Metric("m", "mean_displacement('p')"), kInvalid,
          "the point 'p' lies outside of the body");
+  expect(Metric("Pa", "von_mises_p99('x_max')"), kInvalid,
+         "'m0': metric_definitions: there is no part 'x_max'; parts are bar");
+  expect(Metric("Pa", "mean_von_mises('lid')"), kInvalid,
+         "there is no point, condition or face 'lid'; faces are x_max, x_min, y_max, y_min, z_max, "
+         "z_min; parts are bar");
+  expect(Metric("Pa", "mean_von_mises('bar', 'wind')"), kInvalid,
+         "there is no load case 'wind'; there are loads");
+  expect(Metric("m", "max_displacement('bar')"), kInvalid,
+         "there is no point, condition or face 'bar'");
   expect(Metric("1", "1 / (length / '0.4 m' - 1)"), kInvalid,
          "metric_definitions.expressions[0].expression: 'm0': '1 / (length / '0.4 m' - 1)' divides "
          "by zero");

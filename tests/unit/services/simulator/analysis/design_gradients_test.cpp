@@ -135,7 +135,7 @@ class MovingMesh {
     moved.mesh = mesh_;
     moved.mesh->nodes += step * velocities_[static_cast<std::size_t>(k)];
     const DesignAnalysisOptions options = OptionsOf(subject_, q, 1, mesh_.IsQuadratic());
-    auto solved = DesignSolver(model, options, false).Solve(*moved.mesh, false);
+    auto solved = DesignSolver(model, options, {.spread = true}).Solve(*moved.mesh, false);
     EXPECT_TRUE(solved.ok()) << solved.status();
     moved.cases = std::move(solved->cases);
     return moved;
@@ -236,6 +236,53 @@ TEST(DesignGradients, OfStressesAreThoseOfDifferencesOnTheMeshThatMovesAlong) {
       EXPECT_NEAR(analysis.gradients[2].values[k], stress / strength, tolerance / strength) << k;
     }
   }
+}
+
+// Of the metric of all parts, and of the function of one.
+TEST(DesignGradients, OfSpreadStressAreThoseOfDifferencesOnTheMeshThatMovesAlong) {
+  const std::string definitions =
+      "expressions { name: 'of_bar' unit: 'N m' expression: \"von_mises_integral('bar')\" } "
+      "expressions { name: 'uneven' unit: '1' expression: "
+      "\"rms_von_mises('bar') / mean_von_mises\" } ";
+  const std::vector<std::string> metrics{"mean_von_mises", "rms_von_mises", "von_mises_integral",
+                                         "of_bar", "uneven"};
+  for (const bool quadratic : {false, true}) {
+    const Subject beam = SubjectOf(Cantilever("-10 * length ^ 2"), definitions);
+    const Eigen::VectorXd q = beam.Defaults();
+    const DesignAnalysis analysis = WithGradients(beam, q, metrics, 0.04, quadratic);
+    ASSERT_EQ(analysis.gradients.size(), metrics.size());
+    EXPECT_EQ(ValueOf(analysis, "of_bar"), ValueOf(analysis, "von_mises_integral"));
+    const MovingMesh moving(beam, q, analysis);
+    for (int k = 0; k < q.size(); ++k) {
+      const double step = 1e-4 * q[k];
+      const auto values = [&](double by) {
+        const StressSpread spread = *moving.At(k, by).cases.at(0).spread;
+        return Eigen::Vector<double, 5>(spread.Mean(), spread.RootMeanSquare(), spread.Integral(),
+                                        spread.Integral(), spread.RootMeanSquare() / spread.Mean());
+      };
+      const Eigen::Vector<double, 5> slopes = (values(step) - values(-step)) / (2 * step);
+      for (int i = 0; i < 5; ++i) {
+        const std::string& name = metrics[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(analysis.gradients[static_cast<std::size_t>(i)].values[k], slopes[i],
+                    1e-6 * ValueOf(analysis, name) / q[k])
+            << name << " by parameter " << k;
+      }
+    }
+  }
+}
+
+// Of what may be a face, and of percentiles, there is none.
+TEST(DesignGradients, OfPercentilesAndFacesOfStressAreNotOffered) {
+  const Subject beam =
+      SubjectOf(Cantilever("-10"),
+                "expressions { name: 'p' unit: 'Pa' expression: \"von_mises_p99('bar')\" } "
+                "expressions { name: 'm' unit: 'Pa' expression: \"mean_von_mises('bar')\" } "
+                "expressions { name: 'r' unit: 'Pa' expression: \"rms_von_mises('bar')\" } ");
+  EXPECT_FALSE(HasGradient("von_mises_p99"));
+  EXPECT_FALSE(HasGradient("p", beam.own));
+  EXPECT_FALSE(HasGradient("m", beam.own));
+  EXPECT_TRUE(HasGradient("r", beam.own));
+  EXPECT_TRUE(HasGradient("mean_von_mises"));
 }
 
 // A bar that is pulled and may contract has the stress F / (b h) everywhere, to rounding.
