@@ -22,6 +22,7 @@
 #include "cli/files/metric_evaluation.h"
 #include "cli/output/map_output.h"
 #include "common/base/errors.h"
+#include "common/expressions/expression.h"
 #include "common/rpc/status_mapping.h"
 
 namespace mortise::cli {
@@ -69,10 +70,18 @@ absl::StatusOr<v1::OptimizeMapRequest> RequestOf(const OptimizeOptions& options,
   return request;
 }
 
+// The design as its evaluator sees it.
+struct Verification {
+  v1::EvaluationResult result;
+  double objective = 0;
+  // Which metrics miss their limits, and by how much, SI units.
+  std::vector<std::pair<std::string, v1::Metric>> misses;
+};
+
 // Has the map's evaluator evaluate the design, by the settings that the map was made with.
-absl::StatusOr<v1::EvaluationResult> Verified(const v1::DesignMap& map,
-                                              const v1::OptimizeMapResponse& optimum,
-                                              const GatewayClient& client) {
+absl::StatusOr<v1::EvaluationResult> Evaluated(const v1::DesignMap& map,
+                                               const v1::OptimizeMapResponse& optimum,
+                                               const GatewayClient& client) {
   const v1::MapSpecification& specification = map.specification();
   v1::EvaluateBatchRequest request;
   request.set_revision(specification.revision());
@@ -89,16 +98,34 @@ absl::StatusOr<v1::EvaluationResult> Verified(const v1::DesignMap& map,
   return std::move(evaluated.result);
 }
 
-// Which metrics of the design miss their limits once they are evaluated, and by how much, SI units.
-std::vector<std::pair<std::string, v1::Metric>> Misses(
-    const v1::OptimizeMapRequest& request, const v1::OptimizeMapResponse& optimum,
-    const std::optional<v1::EvaluationResult>& verified) {
+// The objective with the metrics as they were evaluated.
+absl::StatusOr<double> ObjectiveOf(const v1::OptimizeMapRequest& request,
+                                   const v1::OptimizeMapResponse& optimum,
+                                   const v1::EvaluationResult& evaluated) {
+  std::vector<std::string> names;
+  Eigen::VectorXd values(optimum.design_size() + optimum.metrics_size());
+  Eigen::Index last = 0;
+  for (const v1::ParameterValue& parameter : optimum.design()) {
+    names.push_back(parameter.name());
+    values[last++] = parameter.value();
+  }
+  for (int k = 0; k < optimum.metrics_size(); ++k) {
+    names.push_back(optimum.metrics(k));
+    values[last++] = evaluated.metrics(k).value();
+  }
+  MORTISE_ASSIGN_OR_RETURN(const auto objective,
+                           parametric::Expression::Parse(request.objective(), names));
+  return objective.Value(values);
+}
+
+std::vector<std::pair<std::string, v1::Metric>> Misses(const v1::OptimizeMapRequest& request,
+                                                       const v1::OptimizeMapResponse& optimum,
+                                                       const v1::EvaluationResult& evaluated) {
   std::vector<std::pair<std::string, v1::Metric>> misses;
-  if (!verified) return misses;
   for (const v1::OptimizeMapRequest::Limit& limit : request.limits()) {
     for (int k = 0; k < optimum.metrics_size(); ++k) {
       if (optimum.metrics(k) != limit.metric()) continue;
-      const double value = verified->metrics(k).value();
+      const double value = evaluated.metrics(k).value();
       double missed = limit.has_minimum() ? limit.minimum() - value : 0;
       if (limit.has_maximum()) missed = std::max(missed, value - limit.maximum());
       if (missed > 0) misses.emplace_back(limit.metric(), MetricOf(optimum.units(k), missed));
@@ -107,8 +134,22 @@ std::vector<std::pair<std::string, v1::Metric>> Misses(
   return misses;
 }
 
+absl::StatusOr<Verification> Verify(const v1::DesignMap& map, const v1::OptimizeMapRequest& request,
+                                    const v1::OptimizeMapResponse& optimum,
+                                    const GatewayClient& client) {
+  Verification verification;
+  MORTISE_ASSIGN_OR_RETURN(verification.result, Evaluated(map, optimum, client));
+  if (verification.result.metrics_size() != optimum.metrics_size()) {
+    return absl::DataLossError("the evaluator told other metrics than those that it was asked for");
+  }
+  MORTISE_ASSIGN_OR_RETURN(verification.objective,
+                           ObjectiveOf(request, optimum, verification.result));
+  verification.misses = Misses(request, optimum, verification.result);
+  return verification;
+}
+
 void Print(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
-           const std::optional<v1::EvaluationResult>& verified, const Output& output) {
+           const std::optional<Verification>& verified, const Output& output) {
   std::vector<std::vector<std::string>> parameters;
   for (int k = 0; k < optimum.parameters_size(); ++k) {
     const v1::MapParameter& parameter = map.parameters(k);
@@ -122,22 +163,28 @@ void Print(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
     const std::string& unit = optimum.units(k);
     metrics.push_back({optimum.metrics(k), MetricText(MetricOf(unit, optimum.values(k))),
                        MetricText(MetricOf(unit, optimum.errors(k)))});
-    if (verified) metrics.back().push_back(MetricText(verified->metrics(k)));
+    if (verified) metrics.back().push_back(MetricText(verified->result.metrics(k)));
   }
   output.Table(titles, metrics);
-  output.Line(absl::StrFormat("  objective %.6g by the map; %d of %d searches ended here",
-                              optimum.objective(), optimum.starts_that_agree(), optimum.starts()));
+  output.Line(absl::StrCat(absl::StrFormat("  objective %.6g by the map", optimum.objective()),
+                           verified ? absl::StrFormat(", %.6g evaluated", verified->objective) : "",
+                           absl::StrFormat("; %d of %d searches ended here",
+                                           optimum.starts_that_agree(), optimum.starts())));
   PrintStale(map, output);
   if (optimum.violation() > 0) {
     output.Line(absl::StrFormat(
         "  no design of the map keeps to all limits: this one misses one by %.3g of its range",
         optimum.violation()));
   }
+  if (!verified) return;
+  for (const auto& [metric, missed] : verified->misses) {
+    output.Line(absl::StrCat("  evaluated, the design misses the limit of ", metric, " by ",
+                             MetricText(missed), ": the map is off there"));
+  }
 }
 
 Json DocumentOf(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum,
-                const std::optional<v1::EvaluationResult>& verified,
-                const std::vector<std::pair<std::string, v1::Metric>>& misses) {
+                const std::optional<Verification>& verified) {
   Json document;
   for (int k = 0; k < optimum.parameters_size(); ++k) {
     document["parameters"][map.parameters(k).name()] = optimum.parameters(k);
@@ -145,13 +192,17 @@ Json DocumentOf(const v1::DesignMap& map, const v1::OptimizeMapResponse& optimum
   for (int k = 0; k < optimum.metrics_size(); ++k) {
     document["metrics"][optimum.metrics(k)] = optimum.values(k);
     document["errors"][optimum.metrics(k)] = optimum.errors(k);
-    if (verified) document["evaluated"][optimum.metrics(k)] = verified->metrics(k).value();
+    if (verified) document["evaluated"][optimum.metrics(k)] = verified->result.metrics(k).value();
   }
   document["objective"] = optimum.objective();
+  if (verified) document["evaluated_objective"] = verified->objective;
   document["violation"] = optimum.violation();
   document["stale"] = map.stale();
-  if (verified) document["missed"] = Json::object();
-  for (const auto& [metric, missed] : misses) document["missed"][metric] = missed.value();
+  if (!verified) return document;
+  document["missed"] = Json::object();
+  for (const auto& [metric, missed] : verified->misses) {
+    document["missed"][metric] = missed.value();
+  }
   return document;
 }
 
@@ -166,17 +217,18 @@ absl::Status Optimize(const OptimizeOptions& options, FieldSources& sources, Ses
   MORTISE_RETURN_IF_ERROR(client->Call([&](grpc::ClientContext& context) {
     return rpc::FromGrpc(stub->OptimizeMap(&context, request, &optimum));
   }));
-  std::optional<v1::EvaluationResult> verified;
+  std::optional<Verification> verified;
   if (!options.unverified) {
-    MORTISE_ASSIGN_OR_RETURN(verified, Verified(map, optimum, *client));
+    absl::StatusOr<Verification> verification = Verify(map, request, optimum, *client);
+    if (!verification.ok()) {
+      // People see what the map found all the same; a document is of a success only.
+      Print(map, optimum, std::nullopt, output);
+      return verification.status();
+    }
+    verified = *std::move(verification);
   }
   Print(map, optimum, verified, output);
-  const auto misses = Misses(request, optimum, verified);
-  for (const auto& [metric, missed] : misses) {
-    output.Line(absl::StrCat("  evaluated, the design misses the limit of ", metric, " by ",
-                             MetricText(missed), ": the map is off there"));
-  }
-  output.Document(DocumentOf(map, optimum, verified, misses));
+  output.Document(DocumentOf(map, optimum, verified));
   return absl::OkStatus();
 }
 

@@ -98,6 +98,31 @@ TEST_F(MapTest, AnswersAsItsEvaluatorDoes) {
   EXPECT_EQ(Ask({"map", "show", name})["verification"], verified["verification"]);
 }
 
+// What is best for a length and for another, by one map of an integral of a field (§6.7.1).
+TEST_F(MapTest, FindsWhereTheIntegralOfStressIsLeastAndHasItEvaluated) {
+  const std::string integral = "von_mises_integral";
+  const Json map = Build({"--metric", integral, "--metric", "mean_von_mises", "--samples", "24"});
+  const std::string name = map["name"].get<std::string>();
+  for (const std::string length : {"1.1", "1.35"}) {
+    const Json found = Ask({"map", "optimize", name, "--minimize", integral, "--limit",
+                            "mean_von_mises=1kPa:10MPa", "--fix", "length=" + length});
+    const double width = found["parameters"]["width"].get<double>();
+    const double evaluated = found["evaluated"][integral].get<double>();
+    EXPECT_EQ(found["evaluated_objective"], evaluated);
+    EXPECT_NEAR(evaluated, Evaluated(integral, length, absl::StrFormat("%.17g", width)),
+                1e-9 * evaluated);
+    EXPECT_NEAR(found["objective"].get<double>(), evaluated, 0.1 * evaluated);
+    EXPECT_EQ(found["missed"], Json::object());
+    for (const std::string other : {"0.6", "0.7", "0.8"}) {
+      EXPECT_LE(found["objective"].get<double>(),
+                Ask({"map", "evaluate", name, "--at",
+                     "length=" + length + ",width=" + other})["points"][0][integral]
+                        .get<double>() *
+                    (1 + 1e-9));
+    }
+  }
+}
+
 TEST_F(MapTest, IsTheSameForTheSameSeed) {
   const std::string first = Build({"--samples", "16", "--seed", "3"})["name"].get<std::string>();
   const std::string second = Build({"--samples", "16", "--seed", "3"})["name"].get<std::string>();
