@@ -25,6 +25,7 @@
 #include "common/templates/feature_template.h"
 #include "common/templates/features/codec/cad_template_codec.h"
 #include "common/templates/parts_template.h"
+#include "common/templates/unbuilt_fields.h"
 
 namespace mortise::templates {
 namespace {
@@ -390,6 +391,7 @@ absl::Status FillAndCheck(v1::TemplateBundle& bundle, Trial trial,
                           const std::function<bool()>& is_given_up,
                           const Parametrize& parametrize) {
   const v1::Template& message = bundle.template_();
+  MORTISE_RETURN_IF_ERROR(CheckNoUnbuiltFields(message));
   const absl::Status completed = message.kind_case() == v1::Template::KIND_NOT_SET
                                      ? CompleteParts(bundle)
                                      : CompleteKind(bundle, trial, {parametrize, is_given_up});

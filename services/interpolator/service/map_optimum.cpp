@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/string_views.h"
+#include "common/evaluation/parameter_number.h"
 #include "common/expressions/expression.h"
 #include "services/interpolator/optimization/map_optimization.h"
 
@@ -89,12 +90,14 @@ absl::StatusOr<std::vector<std::optional<double>>> ReadFixed(const v1::DesignMap
     }
     std::optional<double>& value = held[static_cast<std::size_t>(at - map.parameters().begin())];
     if (value) return InvalidField(field + ".name", "is fixed twice");
-    if (fixed.value() < at->minimum() || fixed.value() > at->maximum()) {
+    MORTISE_ASSIGN_OR_RETURN(const double number,
+                             evaluation::NumberOf(fixed, at->choices(), field));
+    if (number < at->minimum() || number > at->maximum()) {
       return InvalidField(field + ".value",
                           absl::StrCat("'", fixed.name(), "' goes from ", at->minimum(), " to ",
                                        at->maximum(), " on the map"));
     }
-    value = fixed.value();
+    value = number;
   }
   return held;
 }

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/evaluation/parameter_number.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/interpolator.pb.h"
 #include "services/interpolator/service/map_specification.h"
@@ -127,10 +128,11 @@ absl::Status FixParameters(const v1::MapSpecification& specification,
                            const v1::DesignSpace& described, MapPlan& plan) {
   for (int k = 0; k < specification.fixed_size(); ++k) {
     const std::string field = absl::StrCat("specification.fixed[", k, "]");
-    const double value = specification.fixed(k).value();
     MORTISE_ASSIGN_OR_RETURN(const Eigen::Index index,
                              IndexOf(described, specification.fixed(k).name(), field + ".name"));
     const Described& parameter = described.parameters(static_cast<int>(index));
+    MORTISE_ASSIGN_OR_RETURN(const double value, evaluation::NumberOf(specification.fixed(k),
+                                                                      parameter.choices(), field));
     if (!(value >= parameter.minimum() && value <= parameter.maximum())) {
       return InvalidField(field + ".value", absl::StrCat("must lie between ", parameter.minimum(),
                                                          " and ", parameter.maximum()));
