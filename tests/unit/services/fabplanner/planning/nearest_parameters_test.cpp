@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-constexpr double kDegree = M_PI / 180;
+constexpr double kOneDegree = M_PI / 180;
 
 // A rail mitred at both ends.
 std::vector<PlannedPart> RailAt(double mitre, const std::string& name = "rail") {
@@ -55,8 +55,8 @@ TEST(NearestParametersTest, ValueAtTheLimitIsFoundAlongEachParameterThatChangesI
     EXPECT_EQ(limit.nearest_parameters[0].first, "lean");
     EXPECT_NEAR(limit.nearest_parameters[0].second, 0.872, 1e-9);  // below 50°, in steps
     EXPECT_EQ(limit.nearest_parameters[1].first, "width");
-    EXPECT_NEAR(limit.nearest_parameters[1].second, 1.1 * 0.25 / (50 * kDegree), 1e-3);
-    EXPECT_GE(limit.nearest_parameters[1].second, 1.1 * 0.25 / (50 * kDegree));
+    EXPECT_NEAR(limit.nearest_parameters[1].second, 1.1 * 0.25 / (50 * kOneDegree), 1e-3);
+    EXPECT_GE(limit.nearest_parameters[1].second, 1.1 * 0.25 / (50 * kOneDegree));
     EXPECT_THAT(limit.reason, HasSubstr("it is made by machine with lean = 0.872 rad (50°), or "
                                         "width = 315."));
   }
