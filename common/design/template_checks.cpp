@@ -176,14 +176,29 @@ class Checker {
                                                         "' joins parts; it cannot "
                                                         "be one"));
     }
-    if (item->kind != ItemKind::kSheet && std::holds_alternative<Prism>(part.body)) {
-      Report(absl::StrCat(field, ".prism"),
-             absl::StrCat("'", part.item, "' is no sheet, so no outline can be cut from it"));
+    if (std::holds_alternative<Prism>(part.body) && item->kind != ItemKind::kSheet &&
+        !IsCrosscut(*item)) {
+      Report(
+          absl::StrCat(field, ".prism"),
+          absl::StrCat("'", part.item,
+                       "' is neither a sheet, so that an outline could be cut from it, nor lumber "
+                       "that is crosscut"));
     }
   }
 
+  // Whether it is lumber whose ends a saw cuts, as an outline across its length may show them.
+  static bool IsCrosscut(const Item& item) {
+    return item.kind == ItemKind::kBoard && item.dimensions[0].process == Process::kChopSaw;
+  }
+
   void CheckPrism(const std::string& field, const Prism& prism, const PartTemplate& part) {
-    if (prism.axis != part.thickness_axis) {
+    const Item* item = FindItem(bundle_.items, part.item);
+    if (item != nullptr && IsCrosscut(*item)) {
+      if (prism.axis == part.length_axis) {
+        Report(absl::StrCat(field, ".axis"),
+               "must not be the part's length_axis: outlines of lumber show how its ends are cut");
+      }
+    } else if (prism.axis != part.thickness_axis) {
       Report(absl::StrCat(field, ".axis"),
              "must be the part's thickness_axis: outlines are cut through the sheet");
     }

@@ -98,6 +98,44 @@ TEST_F(RealCatalogTest, AnAssemblyWithADrawer) {
   EXPECT_GT(plan.total().amount(), 0);
 }
 
+TEST_F(RealCatalogTest, AFrameOfMitredRailsLiesEndToEndOnOneBoard) {
+  const v1::Plan plan = PlanOf("templates/picture-frame");
+  ExpectWhole(plan);
+  EXPECT_EQ(plan.chop_saw_parts(), 4);
+  EXPECT_EQ(plan.jigsaw_parts(), 1);
+  EXPECT_EQ(plan.steps_size(), 3);
+  ASSERT_EQ(plan.boards_size(), 1);
+  const v1::BoardLayout& board = plan.boards(0);
+  ASSERT_EQ(board.segments_size(), 4);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(std::abs(board.segments(i).front_cut().mitre()), M_PI / 4, 1e-9);
+    EXPECT_NEAR(std::abs(board.segments(i).rear_cut().mitre()), M_PI / 4, 1e-9);
+    EXPECT_EQ(board.segments(i).rear_cut().bevel(), 0);
+  }
+  // 460 and 360 mm along the middle line twice, three cuts of 3 √2 mm, 30 mm over at either end.
+  const auto& last = board.segments(3);
+  EXPECT_NEAR(last.start() + last.length(), 0.01 + 1.64 + 3 * 0.003 * std::sqrt(2) + 0.06, 1e-6);
+  for (const v1::PlannedPart& part : plan.parts()) {
+    EXPECT_EQ(part.handwork(), "") << part.name();
+    EXPECT_EQ(part.has_front_cut(), part.making() == v1::PlannedPart::CROSSCUT) << part.name();
+  }
+
+  v1::CreatePlanRequest request;
+  request.set_template_("templates/picture-frame");
+  request.mutable_rules()->set_mitre_limit(M_PI / 6);
+  const v1::Plan blanks = PlanOf(request);
+  ExpectWhole(blanks);
+  EXPECT_EQ(blanks.rules().mitre_limit(), M_PI / 6);
+  for (const v1::PlannedPart& part : blanks.parts()) {
+    if (part.making() != v1::PlannedPart::CROSSCUT) continue;
+    ASSERT_EQ(part.beyond_machines_size(), 2) << part.name();
+    EXPECT_EQ(part.beyond_machines(0).kind(), v1::MachineLimit::MITRE);
+    EXPECT_EQ(part.beyond_machines(0).nearest_parameters_size(), 0);  // no parameter changes it
+    EXPECT_THAT(part.handwork(), HasSubstr("is a mitre of 45°, but"));
+    EXPECT_THAT(part.drawings(), Contains("design.step"));
+  }
+}
+
 TEST_F(RealCatalogTest, AnEndThatNoSawCutsTellsTheNearestParameter) {
   v1::ImportTemplateRequest import;
   import.set_request_id("template-brace");

@@ -172,6 +172,19 @@ TEST_F(ValidationTest, FindsClockwiseOutlines) {
               Contains(At("parts[8].prism.outline", "counter-clockwise")));
 }
 
+TEST_F(ValidationTest, LumberHasOutlinesAcrossItsLengthAlone) {
+  // The front apron lies along x and is crosscut: an outline of its face has mitres.
+  Prism mitred = Top();
+  mitred.axis = Axis::kY;
+  table_.parts[4].body = mitred;
+  EXPECT_THAT(ValidateTemplate(bundle_), Not(Contains(At("parts[4].prism.axis"))));
+  EXPECT_THAT(ValidateTemplate(bundle_), Not(Contains(At("parts[4].prism"))));
+  mitred.axis = Axis::kX;
+  table_.parts[4].body = mitred;
+  EXPECT_THAT(ValidateTemplate(bundle_),
+              Contains(At("parts[4].prism.axis", "must not be the part's length_axis")));
+}
+
 TEST_F(ValidationTest, FindsSizesTheItemDoesNotCome) {
   const Collection collection = ShippedCollection();
   for (const auto& message : collection.items) {

@@ -27,6 +27,32 @@ void CutRandomParts(benchmark::State& state) {
 }
 BENCHMARK(CutRandomParts)->Arg(10)->Arg(100)->Arg(1000)->Unit(benchmark::kMillisecond);
 
+// Rails of frames, mitred at 45°, or with ends of any angle up to that, from boards of 2.4 m.
+void CutSlopedParts(benchmark::State& state) {
+  std::mt19937 random(3);
+  const auto fraction = [&] { return static_cast<double>(random() % 1000) / 1000; };
+  std::vector<CrosscutPart> parts(state.range(0)), rectangles;
+  for (CrosscutPart& part : parts) {
+    part = {"p", 0.2 + 0.6 * fraction(), {{1, 0}, {-1, 0}}};
+    if (state.range(1) != 0) part.ends = {{2 * fraction() - 1, 0}, {2 * fraction() - 1, 0}};
+    rectangles.push_back({part.label, part.length});
+  }
+  const CuttingStockOptions options = {.section = {0.06, 0.03}};
+  CuttingStock cut;
+  for (auto _ : state) cut = CutStock(parts, {{2.4}}, options).value();
+  state.counters["boards"] = static_cast<double>(cut.boards.size());
+  state.counters["over_bound"] = cut.cost / cut.lower_bound;
+  state.counters["of_rectangles"] = cut.cost / CutStock(rectangles, {{2.4}}, options)->cost;
+}
+BENCHMARK(CutSlopedParts)
+    ->Args({10, 0})
+    ->Args({100, 0})
+    ->Args({1000, 0})
+    ->Args({10, 1})
+    ->Args({100, 1})
+    ->Args({1000, 1})
+    ->Unit(benchmark::kMillisecond);
+
 // Rectangles of 0.1 m to 0.8 m on sheets of 2.44 m × 1.22 m.
 void LayOutRandomSheets(benchmark::State& state) {
   std::mt19937 random(2);
