@@ -13,6 +13,7 @@ namespace mortise::rpc {
 namespace {
 
 constexpr absl::Duration kLookAgain = absl::Minutes(10);
+constexpr absl::Duration kFruitless = absl::Seconds(10);
 // More room than is lacking is made at once, as a share of the quota: finding the oldest files
 // takes a look at all of them.
 constexpr double kAhead = 0.01;
@@ -52,6 +53,7 @@ absl::Status FileQuota::RemoveOldest(double bytes) {
     Log(LogLevel::kInfo, "removed the oldest files to make room",
         {{"files", removed.count}, {"bytes", removed.bytes}});
   }
+  if (removed.count == 0) fruitless_at_ = store_->Now();
   taken_ -= removed.bytes;
   return absl::OkStatus();
 }
@@ -63,19 +65,22 @@ absl::StatusOr<std::unique_ptr<FileQuota::Room>> FileQuota::MakeRoom(std::int64_
                           "a file of %.6g MB is beyond the %.6g MB that all files may take "
                           "together (--%s)",
                           wanted / 1e6, quota_ / 1e6, flag_)),
-                      {"FILE_BEYOND_QUOTA", flag_});
+                      {kFileBeyondQuota, flag_});
   }
   const std::lock_guard lock(mutex_);
   const bool is_old = !looked_at_ || store_->Now() - *looked_at_ > kLookAgain;
-  if (is_old || Lacking(wanted) > 0) MORTISE_RETURN_IF_ERROR(Look());
-  if (Lacking(wanted) > 0) MORTISE_RETURN_IF_ERROR(RemoveOldest(Lacking(wanted)));
+  const bool is_fruitless = fruitless_at_ && store_->Now() - *fruitless_at_ < kFruitless;
+  if (is_old || (Lacking(wanted) > 0 && !is_fruitless)) MORTISE_RETURN_IF_ERROR(Look());
+  if (Lacking(wanted) > 0 && !is_fruitless) {
+    MORTISE_RETURN_IF_ERROR(RemoveOldest(Lacking(wanted)));
+  }
   if (Lacking(wanted) > 0) {
     return WithDetail(absl::ResourceExhaustedError(absl::StrFormat(
                           "files take %.6g MB of disk, and %.6g MB more would be beyond the %.6g "
                           "MB that they may "
                           "take together (--%s); all that could go have gone",
                           (taken_ + held_) / 1e6, wanted / 1e6, quota_ / 1e6, flag_)),
-                      {"FILE_QUOTA", flag_});
+                      {kFileQuota, flag_});
   }
   held_ += wanted;
   return std::make_unique<Room>(this, wanted);

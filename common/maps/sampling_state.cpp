@@ -257,7 +257,9 @@ std::vector<MapSampling::State::Candidate> MapSampling::State::Candidates() cons
     const Measured& measured = measured_[element];
     int depth = 0;
     for (int d = 0; d < tree_.dimension(); ++d) depth += tree_.DepthOf(element, d);
-    const bool shrinks = MayShrink(element);
+    // Where no direction is left that would make small what fails, values count.
+    const bool shrinks =
+        MayShrink(element) && DirectionFor({.element = element, .shrinks = true}) >= 0;
     double error = 1;
     if (!shrinks) {
       if (measured.cut_off() || (measured.outside.failed && outputs_ == 0)) continue;

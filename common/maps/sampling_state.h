@@ -63,9 +63,10 @@ class MapSampling::State {
     std::size_t samples = 0;  // how many it had then
     OutsideError outside;
 
-    bool cut_off() const { return has_failed; }
+    // Whether nothing is interpolated over it.
+    bool cut_off() const { return has_failed || (errors.size() == 0 && outside.failed); }
     // Whether outputs are all that is interpolated over it.
-    bool lacks_outside() const { return !has_failed && outside.failed; }
+    bool lacks_outside() const { return !cut_off() && outside.failed; }
   };
   // What of an element a map states.
   struct Stated {

@@ -233,7 +233,7 @@ std::optional<Boards> Repair(Problem& problem, const std::vector<PackedBin>& bin
   std::vector<int> left;
   for (const PackedBin& bin : bins) {
     std::vector<int> parts = LongestFirst(problem, bin.items);
-    while (problem.TakenBy(parts) > problem.largest()) {
+    while (parts.size() > 1 && problem.TakenBy(parts) > problem.largest()) {
       left.push_back(parts.back());
       parts.pop_back();
     }

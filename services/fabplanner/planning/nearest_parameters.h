@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "services/fabplanner/plan/plan.h"
 
 namespace mortise::fabplanner {
@@ -27,16 +29,19 @@ struct DesignParameter {
 };
 
 // Returns how the parts are come by where the parameter of the index has a value and all others are
-// as in the design; nothing where there is no such design.
-using PartsAt =
-    std::function<std::optional<std::vector<PlannedPart>>(std::size_t parameter, double value)>;
+// as in the design; nothing where there is no such design. It fails where designs cannot be looked
+// at any more.
+using PartsAt = std::function<absl::StatusOr<std::optional<std::vector<PlannedPart>>>(
+    std::size_t parameter, double value)>;
 
 // The most designs that one search looks at.
 inline constexpr int kMostDesigns = 400;
 
 // Adds to each limit of `plan`'s parts the nearest values at which the part has none of its kind,
-// says so in its reason, and in the plan's handwork.
-void AddNearestParameters(const std::vector<DesignParameter>& parameters, const PartsAt& parts_at,
-                          FabricationPlan* plan);
+// and none of a kind that it has not as it is; says so in its reason, and in the plan's handwork.
+// For sharp inner corners only parameters are looked along by which they go at an end of the range.
+// Fails as `parts_at`; the plan has then what was found before.
+absl::Status AddNearestParameters(const std::vector<DesignParameter>& parameters,
+                                  const PartsAt& parts_at, FabricationPlan* plan);
 
 }  // namespace mortise::fabplanner

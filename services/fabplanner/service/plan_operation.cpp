@@ -36,6 +36,13 @@
 namespace mortise::fabplanner {
 namespace {
 
+// Whether there is no such design, rather than that the catalog cannot be asked.
+bool IsOfDesign(const absl::Status& status) {
+  return absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
+         absl::IsOutOfRange(status) || absl::IsFailedPrecondition(status) ||
+         absl::IsUnimplemented(status);
+}
+
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
 constexpr char kStepFile[] = "design.step";
 constexpr std::size_t kMaxExport = 256u << 20;  // bytes
@@ -191,10 +198,7 @@ absl::Status PlanOperation::CheckDesign(const v1::CreatePlanRequest& request,
   const absl::StatusOr<v1::EvaluatedDesign> design = rpc::CallUnary(
       catalog, &v1::CatalogService::Stub::EvaluateTemplate, EvaluationOf(request), origin, once);
   const absl::Status status = design.ok() ? DesignFrom(*design).status() : design.status();
-  const bool callers_fault = absl::IsNotFound(status) || absl::IsInvalidArgument(status) ||
-                             absl::IsOutOfRange(status) || absl::IsFailedPrecondition(status) ||
-                             absl::IsUnimplemented(status);
-  return callers_fault ? status : absl::OkStatus();
+  return IsOfDesign(status) ? status : absl::OkStatus();
 }
 
 absl::StatusOr<PlanOperation::Inputs> PlanOperation::FetchInputs(
@@ -259,18 +263,12 @@ absl::Status PlanOperation::FindNearestParameters(const Inputs& inputs, const It
                                                   operations::OperationContext& context) const {
   if (!HasLimits(*plan)) return absl::OkStatus();
   context.ReportProgress({.total = 0, .message = "looking for parameters that machines can make"});
-  MORTISE_ASSIGN_OR_RETURN(const auto channel, peers_->Channel("catalog"));
-  const std::unique_ptr<v1::CatalogService::Stub> catalog = v1::CatalogService::NewStub(channel);
-  const rpc::Origin origin =
-      rpc::OwnOrigin(signer_, rpc::Role::kViewer, CurrentTraceId(), kCatalogTimeout);
-  rpc::RetryOptions retry;
-  retry.stop = context.stop_token();
   const std::vector<DesignParameter> parameters =
       ParametersOf(inputs.bundle.template_(), inputs.design);
-  const auto parts_at = [&](std::size_t index,
-                            double value) -> std::optional<std::vector<PlannedPart>> {
-    if (context.Cancelled()) return std::nullopt;
-    v1::EvaluateTemplateRequest request;
+  using Parts = std::optional<std::vector<PlannedPart>>;
+  const auto parts_at = [&](std::size_t index, double value) -> absl::StatusOr<Parts> {
+    if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
+    v1::ExportDesignRequest request;
     request.set_name(inputs.design.template_());
     request.set_revision(inputs.design.template_revision());
     *request.mutable_parameters() = inputs.design.parameters();
@@ -281,18 +279,20 @@ absl::Status PlanOperation::FindNearestParameters(const Inputs& inputs, const It
         parameter.set_choice(choices[static_cast<std::size_t>(std::llround(value))]);
       }
     }
-    request.set_without_faults(true);
-    const absl::StatusOr<v1::EvaluatedDesign> evaluated = rpc::CallUnary(
-        *catalog, &v1::CatalogService::Stub::EvaluateTemplate, request, origin, retry);
-    if (!evaluated.ok()) return std::nullopt;
-    const absl::StatusOr<Design> design = DesignFrom(*evaluated);
-    if (!design.ok()) return std::nullopt;
+    request.set_format(v1::ExportDesignRequest::DESIGN);
+    const absl::StatusOr<std::string> bytes = Export(request, context);
+    if (IsOfDesign(bytes.status())) return Parts();
+    MORTISE_RETURN_IF_ERROR(bytes.status());
+    v1::EvaluatedDesign evaluated;
+    if (!evaluated.ParseFromString(*bytes)) return absl::InternalError("not a design");
+    // What comes apart, or runs into itself, is no cure.
+    if (evaluated.faults_size() > inputs.design.faults_size()) return Parts();
+    const absl::StatusOr<Design> design = DesignFrom(evaluated);
+    if (!design.ok()) return Parts();
     absl::StatusOr<std::vector<PlannedPart>> parts = PlanParts(*design, items, plan->rules);
-    if (!parts.ok()) return std::nullopt;
-    return *std::move(parts);
+    return parts.ok() ? Parts(*std::move(parts)) : Parts();
   };
-  AddNearestParameters(parameters, parts_at, plan);
-  return context.Cancelled() ? absl::CancelledError("the plan was cancelled") : absl::OkStatus();
+  return AddNearestParameters(parameters, parts_at, plan);
 }
 
 absl::StatusOr<std::string> PlanOperation::FetchStep(const v1::EvaluatedDesign& design,

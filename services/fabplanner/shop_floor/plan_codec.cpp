@@ -138,7 +138,7 @@ void AddPart(const PlannedPart& planned, const Part& part, v1::Plan* plan) {
     told->set_place(limit.place);
     told->set_value(limit.value);
     told->set_limit(limit.limit);
-    told->set_message(limit.reason);
+    told->set_message(absl::StrCat("its ", limit.place, " ", limit.reason));
     for (const auto& [name, value] : limit.nearest_parameters) {
       v1::ParameterValue* nearest = told->add_nearest_parameters();
       nearest->set_name(name);

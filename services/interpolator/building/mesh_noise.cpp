@@ -39,13 +39,16 @@ absl::StatusOr<ShapeDifference> DifferenceOf(const fields::DesignFields& one,
 absl::Status AddShapes(const DesignAnswer& one, const DesignAnswer& other,
                        const ShapeOptions& shapes, const MeshNoiseOptions& options,
                        MeshNoise& noise) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string ours, shapes.get(one.file));
-  MORTISE_ASSIGN_OR_RETURN(const std::string theirs, options.get(other.file));
+  const absl::StatusOr<std::string> ours = shapes.get(one.file);
+  const absl::StatusOr<std::string> theirs = ours.ok() ? options.get(other.file) : ours;
+  // A file that is lost is no reason to have no map.
+  if (absl::IsNotFound(theirs.status())) return absl::OkStatus();
+  MORTISE_RETURN_IF_ERROR(theirs.status());
   std::vector<FieldKind> kinds;
   const absl::StatusOr<ShapeDifference> difference =
       Guarded([&]() -> absl::StatusOr<ShapeDifference> {
-        MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields first, fields::ReadFields(ours));
-        MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields second, fields::ReadFields(theirs));
+        MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields first, fields::ReadFields(*ours));
+        MORTISE_ASSIGN_OR_RETURN(const fields::DesignFields second, fields::ReadFields(*theirs));
         return DifferenceOf(first, second, shapes.mapping, kinds);
       });
   // Want of memory may pass; all else is the designs' own.

@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/cad/surface/assembly_surface.h"
+#include "common/host/file_quota.h"
 #include "common/rpc/status_mapping.h"
 #include "google/rpc/status.pb.h"
 #include "services/simulator/airflow/openfoam.h"
@@ -40,12 +41,12 @@ bool IsTransient(const absl::Status& status) {
 
 namespace {
 
-// A worker's limit of time is not the task's, nor is what is installed beside it: the next may give
-// it longer, or have it.
+// A worker's limit of time is not the task's, nor is what is installed beside it, nor the quota of
+// files: the next may give it longer, have it, or have more room.
 bool MayEndOtherwise(const absl::Status& failure) {
   const std::string reason = DetailOf(failure).reason;
   return IsTransient(failure) || reason == kTimeLimit || reason == kNoOpenFoam ||
-         reason == cad::kNoGmsh;
+         reason == cad::kNoGmsh || reason == rpc::kFileBeyondQuota;
 }
 
 // A task that is there, queued afresh if it is worth it.

@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/fem/linear/stopping.h"
 #include "common/files/evaluation_settings.h"
+#include "common/host/file_quota.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "common/messages/vector_codec.h"
 #include "common/rpc/status_mapping.h"
@@ -288,7 +289,7 @@ absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analys
   if (!bytes.ok()) return UnderField("design_fields", bytes.status());
   const absl::StatusOr<std::string> sha256 = context.upload(*bytes);
   // There will never be room for it.
-  if (DetailOf(sha256.status()).reason == "FILE_BEYOND_QUOTA") {
+  if (DetailOf(sha256.status()).reason == rpc::kFileBeyondQuota) {
     return UnderField("design_fields", sha256.status());
   }
   if (!sha256.ok()) {

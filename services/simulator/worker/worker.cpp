@@ -11,6 +11,7 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
+#include "common/host/file_quota.h"
 #include "common/host/lease_keeper.h"
 #include "common/host/worker_program.h"
 #include "common/rpc/chunk_calls.h"
@@ -192,13 +193,18 @@ void WorkOn(const WorkerOptions& options, Stub& stub, TemplateSource& templates,
       .templates = templates,
       .origin = rpc::OwnOrigin(options.signer, rpc::Role::kDesigner, task.trace_id(), kCallTimeout),
       .keep = [&](const AnalysisFile& file) -> absl::Status {
-        MORTISE_ASSIGN_OR_RETURN(const std::string sha256,
-                                 Upload(options, stub, task.trace_id(), file.bytes));
+        const absl::StatusOr<std::string> sha256 =
+            Upload(options, stub, task.trace_id(), file.bytes);
+        // Room may come: the work is not lost to a disk that is full for a while.
+        if (DetailOf(sha256.status()).reason == rpc::kFileQuota) {
+          return absl::UnavailableError(sha256.status().message());
+        }
+        MORTISE_RETURN_IF_ERROR(sha256.status());
         v1::Artifact* artifact = artifacts.add_artifacts();
         artifact->set_file_name(file.name);
         artifact->set_media_type(file.media_type);
         artifact->set_size(static_cast<int64_t>(file.bytes.size()));
-        artifact->set_sha256(sha256);
+        artifact->set_sha256(*sha256);
         return absl::OkStatus();
       },
       .upload =

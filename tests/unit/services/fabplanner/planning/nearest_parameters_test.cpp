@@ -49,7 +49,7 @@ TEST(NearestParametersTest, ValueAtTheLimitIsFoundAlongEachParameterThatChangesI
   };
   FabricationPlan plan = PlanAt(1.1);
   ASSERT_EQ(plan.parts[0].beyond_machines.size(), 2);
-  AddNearestParameters(parameters, parts_at, &plan);
+  ASSERT_TRUE(AddNearestParameters(parameters, parts_at, &plan).ok());
   for (const MachineLimit& limit : plan.parts[0].beyond_machines) {
     ASSERT_EQ(limit.nearest_parameters.size(), 2);
     EXPECT_EQ(limit.nearest_parameters[0].first, "lean");
@@ -66,7 +66,7 @@ TEST(NearestParametersTest, ValueAtTheLimitIsFoundAlongEachParameterThatChangesI
   EXPECT_LT(designs, 80);  // both ends share what was looked at
 
   FabricationPlan again = PlanAt(1.1);
-  AddNearestParameters(parameters, parts_at, &again);
+  ASSERT_TRUE(AddNearestParameters(parameters, parts_at, &again).ok());
   EXPECT_EQ(again.handwork, plan.handwork);
 }
 
@@ -76,7 +76,7 @@ TEST(NearestParametersTest, OfValuesAtBothSidesTheNearerIsTold) {
     return RailAt(value < 0.3 || value > 0.6 ? 0.5 : 1.1);
   };
   FabricationPlan plan = PlanAt(1.1);
-  AddNearestParameters({{"twist", "1", 0, 1, 0.01, 0.5}}, parts_at, &plan);
+  ASSERT_TRUE(AddNearestParameters({{"twist", "1", 0, 1, 0.01, 0.5}}, parts_at, &plan).ok());
   EXPECT_THAT(plan.parts[0].beyond_machines[0].nearest_parameters,
               ElementsAre(Pair("twist", ::testing::DoubleNear(0.61, 1e-9))));
 }
@@ -88,7 +88,9 @@ TEST(NearestParametersTest, ChoicesAreTriedOneByOne) {
     return RailAt(value == 2 ? 0.5 : 1.1);
   };
   FabricationPlan plan = PlanAt(1.1);
-  AddNearestParameters({{"style", "1", 0, 2, 1, 0, {"steep", "steeper", "flat"}}}, parts_at, &plan);
+  ASSERT_TRUE(AddNearestParameters({{"style", "1", 0, 2, 1, 0, {"steep", "steeper", "flat"}}},
+                                   parts_at, &plan)
+                  .ok());
   EXPECT_THAT(plan.parts[0].beyond_machines[0].nearest_parameters, ElementsAre(Pair("style", 2)));
   EXPECT_THAT(plan.parts[0].beyond_machines[0].reason, HasSubstr("style = flat"));
 }
@@ -99,7 +101,7 @@ TEST(NearestParametersTest, NothingIsToldWhereNothingHelps) {
   const auto untold = [&](const PartsAt& parts_at) {
     FabricationPlan plan = PlanAt(1.1);
     const std::string reason = plan.parts[0].beyond_machines[0].reason;
-    AddNearestParameters(parameters, parts_at, &plan);
+    ASSERT_TRUE(AddNearestParameters(parameters, parts_at, &plan).ok());
     EXPECT_THAT(plan.handwork, IsEmpty());
     EXPECT_THAT(plan.parts[0].beyond_machines[0].nearest_parameters, IsEmpty());
     EXPECT_EQ(plan.parts[0].beyond_machines[0].reason, reason);
@@ -108,13 +110,11 @@ TEST(NearestParametersTest, NothingIsToldWhereNothingHelps) {
   untold([](std::size_t, double) { return std::nullopt; });                 // no such designs
   untold([](std::size_t, double) { return RailAt(0.5, "another part"); });  // the part is absent
   FabricationPlan made = PlanAt(0.5);                                       // nothing to look for
-  AddNearestParameters(
-      parameters,
-      [](std::size_t, double) -> std::optional<std::vector<PlannedPart>> {
-        ADD_FAILURE() << "no design needs to be looked at";
-        return std::nullopt;
-      },
-      &made);
+  const PartsAt never = [](std::size_t, double) -> std::optional<std::vector<PlannedPart>> {
+    ADD_FAILURE() << "no design needs to be looked at";
+    return std::nullopt;
+  };
+  EXPECT_TRUE(AddNearestParameters(parameters, never, &made).ok());
 }
 
 TEST(NearestParametersTest, NoMoreDesignsAreLookedAtThanAllowed) {
@@ -122,14 +122,66 @@ TEST(NearestParametersTest, NoMoreDesignsAreLookedAtThanAllowed) {
   for (int i = 0; i < 100; ++i) parameters.push_back({"p", "m", 0, 1, 0.001, 0.5});
   int designs = 0;
   FabricationPlan plan = PlanAt(1.1);
-  AddNearestParameters(
-      parameters,
-      [&](std::size_t, double) {
-        ++designs;
-        return RailAt(1.1);
-      },
-      &plan);
+  const PartsAt parts_at = [&](std::size_t, double) {
+    ++designs;
+    return RailAt(1.1);
+  };
+  EXPECT_TRUE(AddNearestParameters(parameters, parts_at, &plan).ok());
   EXPECT_EQ(designs, kMostDesigns);
+}
+
+TEST(NearestParametersTest, ValuesAreThoseThatDesignsAreRoundedTo) {
+  // Multiples of the step, though the least value is none.
+  const PartsAt parts_at = [](std::size_t, double value) {
+    EXPECT_NEAR(std::remainder(value, 0.01), 0, 1e-9) << value;
+    return RailAt(value > 0.255 ? 0.5 : 1.1);
+  };
+  FabricationPlan plan = PlanAt(1.1);
+  ASSERT_TRUE(
+      AddNearestParameters({{"width", "m", 0.015, 0.515, 0.01, 0.1}}, parts_at, &plan).ok());
+  EXPECT_THAT(plan.parts[0].beyond_machines[0].nearest_parameters,
+              ElementsAre(Pair("width", ::testing::DoubleNear(0.26, 1e-9))));
+}
+
+TEST(NearestParametersTest, OneLimitInPlaceOfAnotherIsNoCure) {
+  const PartsAt parts_at = [](std::size_t, double) {
+    std::vector<PlannedPart> parts = RailAt(1.1);
+    for (MachineLimit& limit : parts[0].beyond_machines) limit.kind = MachineLimit::Kind::kBevel;
+    return parts;
+  };
+  FabricationPlan plan = PlanAt(1.1);
+  ASSERT_TRUE(AddNearestParameters({{"lean", "rad", -1.2, 1.2, 0.001, 1.1}}, parts_at, &plan).ok());
+  EXPECT_THAT(plan.parts[0].beyond_machines[0].nearest_parameters, IsEmpty());
+}
+
+TEST(NearestParametersTest, SharpCornersAreLookedAtTheEndsAlone) {
+  FabricationPlan plan = PlanAt(1.1);
+  for (MachineLimit& limit : plan.parts[0].beyond_machines) {
+    limit.kind = MachineLimit::Kind::kRadius;
+    limit.value = 0;
+  }
+  int designs = 0;
+  const PartsAt parts_at = [&](std::size_t, double) {
+    ++designs;
+    return plan.parts;
+  };
+  FabricationPlan told = plan;
+  ASSERT_TRUE(AddNearestParameters({{"width", "m", 0, 1, 0.001, 0.5}}, parts_at, &told).ok());
+  EXPECT_EQ(designs, 2);
+  EXPECT_THAT(told.handwork, IsEmpty());
+}
+
+TEST(NearestParametersTest, EndsWhereDesignsCannotBeLookedAt) {
+  int designs = 0;
+  const PartsAt parts_at = [&](std::size_t,
+                               double) -> absl::StatusOr<std::optional<std::vector<PlannedPart>>> {
+    ++designs;
+    return absl::UnavailableError("the catalog is away");
+  };
+  FabricationPlan plan = PlanAt(1.1);
+  EXPECT_TRUE(absl::IsUnavailable(
+      AddNearestParameters({{"width", "m", 0, 1, 0.001, 0.5}}, parts_at, &plan)));
+  EXPECT_EQ(designs, 1);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(ShapeFailuresTest, HasNoShapesWhereNothingCanBeMapped) {
   EXPECT_THAT(structure.element_mesh, testing::Each(-1));
   EXPECT_TRUE(structure.meshes.empty());
   EXPECT_TRUE(structure.shapes.empty());
-  EXPECT_THAT(building->structures()[0]->Content()->cut_off, testing::Each(0));
+  EXPECT_THAT(building->structures()[0]->Content()->cut_off, testing::Each(1));
   const BuildProgress progress = building->progress();
   EXPECT_EQ(progress.failed, 0);
   EXPECT_EQ(progress.shapes, 0);
