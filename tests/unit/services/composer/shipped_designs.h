@@ -42,8 +42,8 @@ inline const std::vector<CollectionConnection>& ShippedConnections(const std::st
 inline Original ShippedOriginal(const std::string& id) {
   // They are kept for ever.
   return {"assemblies/" + id, ShippedDesign(id),
-          std::shared_ptr<const std::vector<CollectionConnection>>(
-              std::shared_ptr<const void>(), &ShippedConnections(id))};
+          std::shared_ptr<const std::vector<CollectionConnection>>(std::shared_ptr<const void>(),
+                                                                   &ShippedConnections(id))};
 }
 
 // The connections of all designs that ship.
