@@ -13,7 +13,6 @@ namespace mortise::rpc {
 namespace {
 
 constexpr absl::Duration kLookAgain = absl::Minutes(10);
-constexpr absl::Duration kFruitless = absl::Seconds(10);
 // More room than is lacking is made at once, as a share of the quota: finding the oldest files
 // takes a look at all of them.
 constexpr double kAhead = 0.01;
@@ -53,7 +52,6 @@ absl::Status FileQuota::RemoveOldest(double bytes) {
     Log(LogLevel::kInfo, "removed the oldest files to make room",
         {{"files", removed.count}, {"bytes", removed.bytes}});
   }
-  if (removed.count == 0) fruitless_at_ = store_->Now();
   taken_ -= removed.bytes;
   return absl::OkStatus();
 }
@@ -69,11 +67,8 @@ absl::StatusOr<std::unique_ptr<FileQuota::Room>> FileQuota::MakeRoom(std::int64_
   }
   const std::lock_guard lock(mutex_);
   const bool is_old = !looked_at_ || store_->Now() - *looked_at_ > kLookAgain;
-  const bool is_fruitless = fruitless_at_ && store_->Now() - *fruitless_at_ < kFruitless;
-  if (is_old || (Lacking(wanted) > 0 && !is_fruitless)) MORTISE_RETURN_IF_ERROR(Look());
-  if (Lacking(wanted) > 0 && !is_fruitless) {
-    MORTISE_RETURN_IF_ERROR(RemoveOldest(Lacking(wanted)));
-  }
+  if (is_old || Lacking(wanted) > 0) MORTISE_RETURN_IF_ERROR(Look());
+  if (Lacking(wanted) > 0) MORTISE_RETURN_IF_ERROR(RemoveOldest(Lacking(wanted)));
   if (Lacking(wanted) > 0) {
     return WithDetail(absl::ResourceExhaustedError(absl::StrFormat(
                           "files take %.6g MB of disk, and %.6g MB more would be beyond the %.6g "

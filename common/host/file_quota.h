@@ -48,8 +48,7 @@ class FileQuota {
   // Makes room: where there is none, the oldest files go that nothing names and that were not
   // written, named or fetched within the last minute. RESOURCE_EXHAUSTED, FILE_QUOTA, saying what
   // all files take and may take, where that is not enough; FILE_BEYOND_QUOTA where one file alone
-  // is too much, so that there will never be room for it. Where nothing could go, nothing is looked
-  // for again within the next ten seconds. Fails as RemoveOldestFiles.
+  // is too much, so that there will never be room for it. Fails as RemoveOldestFiles.
   absl::StatusOr<std::unique_ptr<Room>> MakeRoom(std::int64_t bytes);
 
  private:
@@ -68,7 +67,6 @@ class FileQuota {
   double taken_ = 0;  // bytes of files that are there
   double held_ = 0;   // bytes of rooms
   std::optional<absl::Time> looked_at_;
-  std::optional<absl::Time> fruitless_at_;  // when last nothing could go
 };
 
 }  // namespace mortise::rpc

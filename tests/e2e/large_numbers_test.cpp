@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "absl/strings/match.h"
+#include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "tests/e2e/good_requests.h"
 #include "tests/e2e/raw_call.h"
@@ -53,7 +54,10 @@ TEST(LargeNumbersTest, AreAnsweredByTheCatalog) {
           const RawAnswer answer = CallWithBytes(channel, method, large.bytes);
           const absl::Status status = rpc::FromGrpc(answer.status);
           ++asked;
-          EXPECT_TRUE(IsCallers(status.code()))
+          // What the contract has and nobody has built yet says so, whatever is in it.
+          const bool is_unbuilt =
+              absl::IsUnimplemented(status) && DetailOf(status).reason == "NOT_BUILT";
+          EXPECT_TRUE(IsCallers(status.code()) || is_unbuilt)
               << method << " " << large.path << " = " << large.what << ": " << status;
         }
       }

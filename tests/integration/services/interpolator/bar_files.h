@@ -27,7 +27,7 @@ class BarFiles : public v1::SimulatorService::Service {
     for (int i = 1; is_each_apart_ && i < CellsOf(x); ++i) {
       design.parts.push_back("part " + std::to_string(i));
     }
-    if (IsOther(x)) design.parts.push_back("another");
+    if (IsOther(x)) design.parts[0] = "another";
     std::erase_if(design.fields, [&](const fields::Field& field) {
       return std::ranges::find(wanted.fields(), field.name) == wanted.fields().end();
     });
@@ -79,7 +79,8 @@ class BarFiles : public v1::SimulatorService::Service {
     const std::lock_guard lock(mutex_);
     is_each_apart_ = true;
   }
-  // From now on designs beyond this x have a part more, so that they are in no mesh of the others.
+  // From now on designs beyond this x are of another part, so that they are in no mesh of the
+  // others.
   void SetOtherBeyond(double x) {
     const std::lock_guard lock(mutex_);
     other_beyond_ = x;
