@@ -27,7 +27,7 @@ class BarFiles : public v1::SimulatorService::Service {
     for (int i = 1; is_each_apart_ && i < CellsOf(x); ++i) {
       design.parts.push_back("part " + std::to_string(i));
     }
-    if (IsOther(x)) design.parts[0] = "another";
+    if (IsOther(x)) design.parts.push_back("another");
     std::erase_if(design.fields, [&](const fields::Field& field) {
       return std::ranges::find(wanted.fields(), field.name) == wanted.fields().end();
     });
@@ -79,8 +79,8 @@ class BarFiles : public v1::SimulatorService::Service {
     const std::lock_guard lock(mutex_);
     is_each_apart_ = true;
   }
-  // From now on designs beyond this x are of another part, so that they are in no mesh of the
-  // others.
+  // From now on designs beyond this x are finer and have a part more, so that they are in no mesh
+  // of the others.
   void SetOtherBeyond(double x) {
     const std::lock_guard lock(mutex_);
     other_beyond_ = x;
@@ -98,6 +98,7 @@ class BarFiles : public v1::SimulatorService::Service {
  private:
   int CellsOf(const std::vector<double>& x) {
     const std::lock_guard lock(mutex_);
+    if (other_beyond_ && x[0] > *other_beyond_) return cells_ + 1;
     if (!is_each_apart_) return cells_;
     return numbers_.try_emplace(x, 2 + static_cast<int>(numbers_.size())).first->second;
   }
