@@ -67,6 +67,13 @@ void Choose(Stack& stack, bool keep_upper) {
   stack.Pop();
 }
 
+// Leaves a condition, which has no derivative.
+void Compare(Stack& stack, bool holds) {
+  stack.Pop();
+  stack.Value(0) = holds ? 1 : 0;
+  stack.Gradient(0).setZero();
+}
+
 void ApplyFunction(Stack& stack, double value, double derivative) {
   stack.Value(0) = value;
   Scale(stack.Gradient(0), derivative);
@@ -75,8 +82,20 @@ void ApplyFunction(Stack& stack, double value, double derivative) {
 }  // namespace
 
 absl::StatusOr<Expression> Expression::Parse(std::string_view text,
+                                             const std::vector<ExpressionName>& parameters) {
+  return ExpressionParser(text, parameters).Parse(false);
+}
+
+absl::StatusOr<Expression> Expression::Parse(std::string_view text,
                                              const std::vector<std::string>& parameters) {
-  return ExpressionParser(text, parameters).Parse();
+  std::vector<ExpressionName> names;
+  for (const std::string& name : parameters) names.push_back({name});
+  return ExpressionParser(text, names).Parse(false);
+}
+
+absl::StatusOr<Expression> Expression::ParseCondition(
+    std::string_view text, const std::vector<ExpressionName>& parameters) {
+  return ExpressionParser(text, parameters).Parse(true);
 }
 
 absl::StatusOr<double> Expression::Value(const Eigen::Ref<const Eigen::VectorXd>& q) const {
@@ -89,6 +108,17 @@ absl::StatusOr<Dual> Expression::ValueAndGradient(
   return Run(q, static_cast<Eigen::Index>(parameter_count_));
 }
 
+absl::StatusOr<bool> Expression::Holds(const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  MORTISE_ASSIGN_OR_RETURN(const Dual result, Run(q, 0));
+  return result.value != 0;
+}
+
+bool Expression::Uses(int parameter) const {
+  return std::any_of(program_.begin(), program_.end(), [parameter](const Instruction& instruction) {
+    return instruction.operation == Operation::kParameter && instruction.parameter == parameter;
+  });
+}
+
 absl::StatusOr<Dual> Expression::Run(const Eigen::Ref<const Eigen::VectorXd>& q,
                                      Eigen::Index rows) const {
   if (q.size() != static_cast<Eigen::Index>(parameter_count_)) {
@@ -96,7 +126,8 @@ absl::StatusOr<Dual> Expression::Run(const Eigen::Ref<const Eigen::VectorXd>& q,
         "expression '", text_, "' has ", parameter_count_, " parameters, not ", q.size()));
   }
   Stack stack(stack_size_, rows);
-  for (const Instruction& instruction : program_) {
+  for (std::size_t next = 0; next < program_.size();) {
+    const Instruction& instruction = program_[next++];
     switch (instruction.operation) {
       case Operation::kConstant:
         stack.Push(instruction.constant);
@@ -163,6 +194,44 @@ absl::StatusOr<Dual> Expression::Run(const Eigen::Ref<const Eigen::VectorXd>& q,
       case Operation::kCeiling:
         ApplyFunction(stack, std::ceil(stack.Value(0)), 0);
         break;
+      case Operation::kEqual:
+        Compare(stack, stack.Value(1) == stack.Value(0));
+        break;
+      case Operation::kNotEqual:
+        Compare(stack, stack.Value(1) != stack.Value(0));
+        break;
+      case Operation::kLess:
+        Compare(stack, stack.Value(1) < stack.Value(0));
+        break;
+      case Operation::kLessOrEqual:
+        Compare(stack, stack.Value(1) <= stack.Value(0));
+        break;
+      case Operation::kGreater:
+        Compare(stack, stack.Value(1) > stack.Value(0));
+        break;
+      case Operation::kGreaterOrEqual:
+        Compare(stack, stack.Value(1) >= stack.Value(0));
+        break;
+      case Operation::kNot:
+        stack.Value(0) = stack.Value(0) == 0 ? 1 : 0;
+        break;
+      case Operation::kJump:
+        next = static_cast<std::size_t>(instruction.parameter);
+        continue;
+      case Operation::kJumpUnless: {
+        const bool holds = stack.Value(0) != 0;
+        stack.Pop();
+        if (!holds) next = static_cast<std::size_t>(instruction.parameter);
+        continue;
+      }
+      case Operation::kJumpIfNot:
+      case Operation::kJumpIf:
+        if ((stack.Value(0) != 0) == (instruction.operation == Operation::kJumpIf)) {
+          next = static_cast<std::size_t>(instruction.parameter);
+        } else {
+          stack.Pop();
+        }
+        continue;
     }
     if (!std::isfinite(stack.Value(0))) {
       return absl::InvalidArgumentError(

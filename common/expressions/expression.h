@@ -1,19 +1,35 @@
-// Expressions of named parameters, such as "length / 2 - 0.03", with exact derivatives.
+// Expressions of named parameters, such as "length / 2 - 0.03", with exact derivatives, and
+// conditions, such as "length > 1.2 and armrests == 'both'".
 //
 // Grammar, by rising precedence; all operators group to the left except ^:
-//   sum      = product  { ("+" | "-") product }
-//   product  = unary    { ("*" | "/") unary }
-//   unary    = [ "-" | "+" ] unary | power
-//   power    = primary  [ "^" unary ]                     -2^2 is -4, 2^3^2 is 2^9
-//   primary  = number | name | "pi" | function "(" sum { "," sum } ")" | "(" sum ")"
+//   either     = both       { "or" both }
+//   both       = negation   { "and" negation }
+//   negation   = "not" negation | comparison
+//   comparison = sum        [ ("==" | "!=" | "<" | "<=" | ">" | ">=") sum ]
+//   sum        = product    { ("+" | "-") product }
+//   product    = unary      { ("*" | "/") unary }
+//   unary      = [ "-" | "+" ] unary | power
+//   power      = primary    [ "^" unary ]                     -2^2 is -4, 2^3^2 is 2^9
+//   primary    = number | name | quoted | "pi" | function "(" either { "," either } ")"
+//              | "if" "(" either "," either "," either ")" | "(" either ")"
 // Functions: sqrt sin cos tan floor ceil abs (one argument), min max (two or more). Angles in rad.
 // Numbers as in C ("0.03", "1e-3"); names are a letter or underscore, then letters, digits,
 // underscores.
 //
+// Numbers and conditions are told apart: what is compared, added or given to a function is a
+// number; "and", "or", "not" and the first argument of "if" take conditions; both other arguments
+// of "if" are numbers, or both are conditions. Of "and", "or" and "if" only what decides is
+// evaluated, so that "if(n > 0, length / n, 0)" has a value where n is 0. A name that is a choice
+// is compared, by == and !=, with one of its values in quotes, and used in no other way. Equality
+// of numbers is exact.
+//
+// Numbers take the unit that is needed. Where units of names are known, to compare metres with
+// kilograms is a mistake, and so is an "if" between the two.
+//
 // An expression is parsed once into a flat program for a stack machine and can then be evaluated
 // any number of times, from any number of threads. Derivatives are by forward-mode automatic
-// differentiation and exact; at the kinks of abs, min, max, floor and ceil they are those of the
-// branch that was taken.
+// differentiation and exact; at the kinks of abs, min, max, floor and ceil, and where the condition
+// of an "if" changes, they are those of the branch that was taken.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +39,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/expressions/expression_name.h"
 
 namespace mortise::parametric {
 
@@ -38,27 +55,40 @@ class Expression {
   static constexpr std::size_t kMaxLength = 2048;
   static constexpr int kMaxDepth = 64;
 
-  // Parses `text`, whose names are among `parameters`. INVALID_ARGUMENT with the column (counted
-  // from 1) and what was expected there.
+  // Parses a number, `text`, whose names are among `parameters`. INVALID_ARGUMENT with the column
+  // (counted from 1) and what was expected there.
+  static absl::StatusOr<Expression> Parse(std::string_view text,
+                                          const std::vector<ExpressionName>& parameters);
+  // As above, of parameters that are numbers in units that nobody knows.
   static absl::StatusOr<Expression> Parse(std::string_view text,
                                           const std::vector<std::string>& parameters);
 
-  // Returns the value at `q` (one entry a parameter, in the order given to Parse). INVALID_ARGUMENT
-  // naming the expression where it divides by zero, leaves the domain of a function or is not
-  // finite.
+  // Parses a condition; fails as Parse, and where `text` is a number.
+  static absl::StatusOr<Expression> ParseCondition(std::string_view text,
+                                                   const std::vector<ExpressionName>& parameters);
+
+  // Returns the value at `q` (one entry a parameter, in the order given to Parse; of a choice the
+  // number of its value). INVALID_ARGUMENT naming the expression where it divides by zero, leaves
+  // the domain of a function or is not finite.
   absl::StatusOr<double> Value(const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
   // As Value, with the gradient. Also fails where the gradient is not finite, as of sqrt at 0.
   absl::StatusOr<Dual> ValueAndGradient(const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
+  // Returns whether a condition holds at `q`; fails as Value.
+  absl::StatusOr<bool> Holds(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
   const std::string& text() const { return text_; }
+
+  // Whether its value changes with the parameter of this index, perhaps.
+  bool Uses(int parameter) const;
 
  private:
   friend class ExpressionParser;
   enum class Operation : std::uint8_t;
   struct Instruction {
     Operation operation;
-    int parameter = 0;    // of kParameter
+    int parameter = 0;    // of kParameter; of a jump, the instruction that comes next
     double constant = 0;  // of kConstant
   };
 

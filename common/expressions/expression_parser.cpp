@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 
@@ -28,13 +29,33 @@ class DepthScope {
   int& depth_;
 };
 
+// What both are measured in; nothing where either may be anything.
+std::optional<Dimension> CommonDimension(const std::optional<Dimension>& a,
+                                         const std::optional<Dimension>& b) {
+  if (!a) return b;
+  if (!b || *a == *b) return a;
+  return std::nullopt;
+}
+
+std::optional<Dimension> Product(const std::optional<Dimension>& a,
+                                 const std::optional<Dimension>& b, double power) {
+  if (!a || !b) return std::nullopt;
+  Dimension product = *a;
+  for (const auto& [symbol, exponent] : *b) {
+    double& sum = product[symbol];
+    sum += power * exponent;
+    if (sum == 0) product.erase(symbol);
+  }
+  return product;
+}
+
 }  // namespace
 
 ExpressionParser::ExpressionParser(std::string_view text,
-                                   const std::vector<std::string>& parameters)
+                                   const std::vector<ExpressionName>& parameters)
     : text_(text), parameters_(parameters) {}
 
-absl::StatusOr<Expression> ExpressionParser::Parse() {
+absl::StatusOr<Expression> ExpressionParser::Parse(bool is_condition) {
   if (text_.size() > Expression::kMaxLength) {
     return absl::InvalidArgumentError(absl::StrCat("expression of ", text_.size(),
                                                    " characters; at most ", Expression::kMaxLength,
@@ -42,160 +63,375 @@ absl::StatusOr<Expression> ExpressionParser::Parse() {
   }
   result_.text_ = std::string(text_);
   result_.parameter_count_ = parameters_.size();
-  MORTISE_RETURN_IF_ERROR(ParseSum());
-  if (Peek() != '\0' || position_ < text_.size()) return Fail("an operator or the end");
+  MORTISE_ASSIGN_OR_RETURN(const Term whole, ParseEither());
+  if (Peek() != '\0' || position_ < text_.size()) {
+    return Fail(TakeComparison() ? "'and' or 'or', as one comparison follows another"
+                                 : "an operator or the end");
+  }
+  MORTISE_RETURN_IF_ERROR(
+      Require(whole, is_condition ? Term::Kind::kCondition : Term::Kind::kNumber));
   return std::move(result_);
 }
 
-absl::Status ExpressionParser::ParseSum() {
-  MORTISE_RETURN_IF_ERROR(ParseProduct());
-  while (true) {
-    if (Take('+')) {
-      MORTISE_RETURN_IF_ERROR(ParseProduct());
-      Emit(Operation::kAdd);
-    } else if (Take('-')) {
-      MORTISE_RETURN_IF_ERROR(ParseProduct());
-      Emit(Operation::kSubtract);
-    } else {
-      return absl::OkStatus();
+// ---- Conditions ---------------------------------------------------------------------------------
+
+ExpressionParser::Parsed ExpressionParser::ParseConditions(std::string_view word, Operation jump,
+                                                           Parsed (ExpressionParser::*parse)()) {
+  MORTISE_ASSIGN_OR_RETURN(Term term, (this->*parse)());
+  std::vector<std::size_t> jumps;
+  while (TakeWord(word)) {
+    MORTISE_RETURN_IF_ERROR(Require(term, Term::Kind::kCondition));
+    jumps.push_back(Emit(jump));
+    MORTISE_ASSIGN_OR_RETURN(const Term other, (this->*parse)());
+    MORTISE_RETURN_IF_ERROR(Require(other, Term::Kind::kCondition));
+  }
+  for (const std::size_t at : jumps) Land(at);
+  return term;
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseEither() {
+  return ParseConditions("or", Operation::kJumpIf, &ExpressionParser::ParseBoth);
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseBoth() {
+  return ParseConditions("and", Operation::kJumpIfNot, &ExpressionParser::ParseNegation);
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseNegation() {
+  Peek();
+  const std::size_t column = position_;
+  if (FindParameter("not") >= 0 || !TakeWord("not")) return ParseComparison();
+  const DepthScope scope(depth_);
+  if (depth_ > Expression::kMaxDepth) {
+    return Fail(absl::StrCat("at most ", Expression::kMaxDepth, " levels of nesting"));
+  }
+  MORTISE_ASSIGN_OR_RETURN(Term term, ParseNegation());
+  MORTISE_RETURN_IF_ERROR(Require(term, Term::Kind::kCondition));
+  Emit(Operation::kNot);
+  term.column = column;
+  return term;
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseComparison() {
+  MORTISE_ASSIGN_OR_RETURN(Term left, ParseSum());
+  const std::optional<Operation> operation = TakeComparison();
+  if (!operation) return left;
+  MORTISE_ASSIGN_OR_RETURN(const Term right, ParseSum());
+  const auto is_named = [](const Term& term) {
+    return term.kind == Term::Kind::kChoice || term.kind == Term::Kind::kQuoted;
+  };
+  if (is_named(left) || is_named(right)) {
+    MORTISE_RETURN_IF_ERROR(CompareChoice(left, right, *operation));
+  } else {
+    MORTISE_RETURN_IF_ERROR(Require(left, Term::Kind::kNumber));
+    MORTISE_RETURN_IF_ERROR(Require(right, Term::Kind::kNumber));
+    MORTISE_RETURN_IF_ERROR(CheckSameUnit(left, right));
+  }
+  Emit(*operation);
+  return Term{.kind = Term::Kind::kCondition, .column = left.column};
+}
+
+std::optional<Expression::Operation> ExpressionParser::TakeComparison() {
+  struct Comparison {
+    std::string_view symbol;
+    Operation operation;
+  };
+  static constexpr Comparison kComparisons[] = {
+      {"==", Operation::kEqual},       {"!=", Operation::kNotEqual},
+      {"<=", Operation::kLessOrEqual}, {">=", Operation::kGreaterOrEqual},
+      {"<", Operation::kLess},         {">", Operation::kGreater}};
+  Peek();
+  for (const Comparison& comparison : kComparisons) {
+    if (!text_.substr(position_).starts_with(comparison.symbol)) continue;
+    position_ += comparison.symbol.size();
+    return comparison.operation;
+  }
+  return std::nullopt;
+}
+
+absl::Status ExpressionParser::CompareChoice(const Term& left, const Term& right,
+                                             Operation operation) {
+  const bool turned = left.kind == Term::Kind::kQuoted;
+  const Term& choice = turned ? right : left;
+  const Term& value = turned ? left : right;
+  if (choice.kind != Term::Kind::kChoice || value.kind != Term::Kind::kQuoted) {
+    const bool is_choice = left.kind == Term::Kind::kChoice || right.kind == Term::Kind::kChoice;
+    const Term& odd = left.kind == Term::Kind::kChoice ? right : left;
+    return FailAt(odd.column,
+                  is_choice ? "expected the name of a value in quotes, as a choice is compared"
+                            : "expected a parameter that is a choice beside what is quoted");
+  }
+  const ExpressionName& parameter = parameters_[static_cast<std::size_t>(choice.choice)];
+  if (operation != Operation::kEqual && operation != Operation::kNotEqual) {
+    return FailAt(left.column, absl::StrCat("the values of '", parameter.name,
+                                            "' have no order: only == and != compare them"));
+  }
+  const auto found = std::find(parameter.choices.begin(), parameter.choices.end(), value.quoted);
+  if (found == parameter.choices.end()) {
+    return FailAt(value.column,
+                  absl::StrCat("'", parameter.name, "' has no value '", std::string(value.quoted),
+                               "'; it has '", absl::StrJoin(parameter.choices, "', '"), "'"));
+  }
+  result_.program_[value.instruction].constant =
+      static_cast<double>(found - parameter.choices.begin());
+  return absl::OkStatus();
+}
+
+absl::Status ExpressionParser::CheckSameUnit(const Term& left, const Term& right) const {
+  if (!left.dimension || !right.dimension || *left.dimension == *right.dimension) {
+    return absl::OkStatus();
+  }
+  return FailAt(right.column,
+                absl::StrCat("is in ", ToText(*right.dimension), ", while its counterpart is in ",
+                             ToText(*left.dimension)));
+}
+
+absl::Status ExpressionParser::Require(const Term& term, Term::Kind kind) const {
+  if (term.kind == kind) return absl::OkStatus();
+  const std::string expected =
+      kind == Term::Kind::kNumber
+          ? "expected a number"
+          : "expected a condition, such as a comparison, which is true or false";
+  switch (term.kind) {
+    case Term::Kind::kNumber:
+      return FailAt(term.column, absl::StrCat(expected, ", not a number"));
+    case Term::Kind::kCondition:
+      return FailAt(term.column, absl::StrCat(expected, ", not a condition"));
+    case Term::Kind::kChoice: {
+      const ExpressionName& choice = parameters_[static_cast<std::size_t>(term.choice)];
+      return FailAt(term.column, absl::StrCat(expected, "; '", choice.name,
+                                              "' is a choice, to be compared with a value, as ",
+                                              choice.name, " == '", choice.choices.front(), "'"));
     }
+    case Term::Kind::kQuoted:
+      break;
+  }
+  return FailAt(term.column,
+                absl::StrCat(expected, "; what is quoted is compared with a choice only"));
+}
+
+// ---- Numbers ------------------------------------------------------------------------------------
+
+ExpressionParser::Parsed ExpressionParser::ParseOperand(Parsed (ExpressionParser::*parse)()) {
+  MORTISE_ASSIGN_OR_RETURN(Term term, (this->*parse)());
+  MORTISE_RETURN_IF_ERROR(Require(term, Term::Kind::kNumber));
+  return term;
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseSum() {
+  MORTISE_ASSIGN_OR_RETURN(Term sum, ParseProduct());
+  while (true) {
+    const bool is_plus = Take('+');
+    if (!is_plus && !Take('-')) return sum;
+    MORTISE_RETURN_IF_ERROR(Require(sum, Term::Kind::kNumber));
+    MORTISE_ASSIGN_OR_RETURN(const Term term, ParseOperand(&ExpressionParser::ParseProduct));
+    Emit(is_plus ? Operation::kAdd : Operation::kSubtract);
+    sum.dimension = CommonDimension(sum.dimension, term.dimension);
   }
 }
 
-absl::Status ExpressionParser::ParseProduct() {
-  MORTISE_RETURN_IF_ERROR(ParseUnary());
+ExpressionParser::Parsed ExpressionParser::ParseProduct() {
+  MORTISE_ASSIGN_OR_RETURN(Term product, ParseUnary());
   while (true) {
-    if (Take('*')) {
-      MORTISE_RETURN_IF_ERROR(ParseUnary());
-      Emit(Operation::kMultiply);
-    } else if (Take('/')) {
-      MORTISE_RETURN_IF_ERROR(ParseUnary());
-      Emit(Operation::kDivide);
-    } else {
-      return absl::OkStatus();
-    }
+    const bool is_times = Take('*');
+    if (!is_times && !Take('/')) return product;
+    MORTISE_RETURN_IF_ERROR(Require(product, Term::Kind::kNumber));
+    MORTISE_ASSIGN_OR_RETURN(const Term factor, ParseOperand(&ExpressionParser::ParseUnary));
+    Emit(is_times ? Operation::kMultiply : Operation::kDivide);
+    product.dimension = Product(product.dimension, factor.dimension, is_times ? 1 : -1);
   }
 }
 
-absl::Status ExpressionParser::ParseUnary() {
+ExpressionParser::Parsed ExpressionParser::ParseUnary() {
   const DepthScope scope(depth_);
   if (depth_ > Expression::kMaxDepth) {
     return Fail(absl::StrCat("at most ", Expression::kMaxDepth, " levels of nesting"));
   }
   if (Take('-')) {
-    MORTISE_RETURN_IF_ERROR(ParseUnary());
+    MORTISE_ASSIGN_OR_RETURN(Term term, ParseOperand(&ExpressionParser::ParseUnary));
     Emit(Operation::kNegate);
-    return absl::OkStatus();
+    return term;
   }
-  if (Take('+')) return ParseUnary();
+  if (Take('+')) return ParseOperand(&ExpressionParser::ParseUnary);
   return ParsePower();
 }
 
-absl::Status ExpressionParser::ParsePower() {
-  MORTISE_RETURN_IF_ERROR(ParsePrimary());
-  if (Take('^')) {
-    MORTISE_RETURN_IF_ERROR(ParseUnary());
-    Emit(Operation::kPower);
-  }
-  return absl::OkStatus();
+ExpressionParser::Parsed ExpressionParser::ParsePower() {
+  MORTISE_ASSIGN_OR_RETURN(Term base, ParsePrimary());
+  if (!Take('^')) return base;
+  MORTISE_RETURN_IF_ERROR(Require(base, Term::Kind::kNumber));
+  MORTISE_RETURN_IF_ERROR(ParseOperand(&ExpressionParser::ParseUnary).status());
+  Emit(Operation::kPower);
+  base.dimension.reset();
+  return base;
 }
 
-absl::Status ExpressionParser::ParsePrimary() {
+ExpressionParser::Parsed ExpressionParser::ParsePrimary() {
   const char next = Peek();
   if (IsDigit(next) || next == '.') return ParseNumber();
   if (IsNameStart(next)) return ParseName();
+  if (next == '\'') return ParseQuoted();
   if (Take('(')) {
-    MORTISE_RETURN_IF_ERROR(ParseSum());
-    return Take(')') ? absl::OkStatus() : Fail("')'");
+    MORTISE_ASSIGN_OR_RETURN(Term inner, ParseEither());
+    if (!Take(')')) return Fail("')'");
+    return inner;
   }
   return Fail("a number, a name or '('");
 }
 
-absl::Status ExpressionParser::ParseNumber() {
+ExpressionParser::Parsed ExpressionParser::ParseNumber() {
+  const std::size_t column = position_;
   const std::optional<DecimalPrefix> number = DecimalNumberPrefix(text_.substr(position_));
   if (!number) return Fail("a finite number");
   position_ += number->length;
   Emit(Operation::kConstant, 0, number->value);
-  return absl::OkStatus();
+  return Term{.column = column};
 }
 
-absl::Status ExpressionParser::ParseName() {
+ExpressionParser::Parsed ExpressionParser::ParseQuoted() {
+  const std::size_t column = position_;
+  const std::size_t end = text_.find('\'', column + 1);
+  if (end == std::string_view::npos) return FailAt(column, "the quotation has no end");
+  position_ = end + 1;
+  return Term{.kind = Term::Kind::kQuoted,
+              .column = column,
+              .quoted = text_.substr(column + 1, end - column - 1),
+              .instruction = Emit(Operation::kConstant)};
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseName() {
   const std::size_t begin = position_;
   while (position_ < text_.size() && (IsNameStart(text_[position_]) || IsDigit(text_[position_]))) {
     ++position_;
   }
   const std::string_view name = text_.substr(begin, position_ - begin);
-  const auto found = std::find(parameters_.begin(), parameters_.end(), name);
-  if (found != parameters_.end()) {
-    Emit(Operation::kParameter, static_cast<int>(found - parameters_.begin()));
-    return absl::OkStatus();
+  if (const int found = FindParameter(name); found >= 0) {
+    Emit(Operation::kParameter, found);
+    const ExpressionName& parameter = parameters_[static_cast<std::size_t>(found)];
+    return Term{.kind = parameter.choices.empty() ? Term::Kind::kNumber : Term::Kind::kChoice,
+                .column = begin,
+                .dimension = parameter.dimension,
+                .choice = found};
   }
-  if (Take('(')) return ParseCall(name, begin);
+  if (Take('(')) return name == "if" ? ParseIf(begin) : ParseCall(name, begin);
   if (name == "pi") {
     Emit(Operation::kConstant, 0, std::numbers::pi);
-    return absl::OkStatus();
+    return Term{.column = begin};
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("column ", begin + 1, ": there is no parameter '", std::string(name), "'"));
+  return FailAt(begin, absl::StrCat("there is no parameter '", std::string(name), "'"));
 }
 
-absl::Status ExpressionParser::ParseCall(std::string_view function, std::size_t column) {
+// The condition, a jump over the first branch, that branch, a jump over the second one, and that.
+ExpressionParser::Parsed ExpressionParser::ParseIf(std::size_t column) {
+  MORTISE_ASSIGN_OR_RETURN(const Term condition, ParseEither());
+  MORTISE_RETURN_IF_ERROR(Require(condition, Term::Kind::kCondition));
+  Term result{.column = column};
+  MORTISE_RETURN_IF_ERROR(ParseBranches(result));
+  if (!Take(')')) return Fail("')'");
+  return result;
+}
+
+absl::Status ExpressionParser::ParseBranches(Term& result) {
+  const std::size_t over_first = Emit(Operation::kJumpUnless);
+  if (!Take(',')) return Fail("','");
+  MORTISE_ASSIGN_OR_RETURN(const Term first, ParseEither());
+  if (first.kind != Term::Kind::kCondition) {
+    MORTISE_RETURN_IF_ERROR(Require(first, Term::Kind::kNumber));
+  }
+  const std::size_t over_second = Emit(Operation::kJump);
+  Land(over_first);
+  --stack_;  // one of the branches leaves an operand
+  if (!Take(',')) return Fail("','");
+  MORTISE_ASSIGN_OR_RETURN(const Term second, ParseEither());
+  MORTISE_RETURN_IF_ERROR(Require(second, first.kind));
+  MORTISE_RETURN_IF_ERROR(CheckSameUnit(first, second));
+  Land(over_second);
+  result.kind = first.kind;
+  result.dimension = CommonDimension(first.dimension, second.dimension);
+  return absl::OkStatus();
+}
+
+ExpressionParser::Parsed ExpressionParser::ParseCall(std::string_view function,
+                                                     std::size_t column) {
   struct Function {
     std::string_view name;
     Operation operation;
     bool takes_many;
+    bool keeps_unit;
   };
   static constexpr Function kFunctions[] = {
-      {"sqrt", Operation::kSquareRoot, false}, {"sin", Operation::kSine, false},
-      {"cos", Operation::kCosine, false},      {"tan", Operation::kTangent, false},
-      {"floor", Operation::kFloor, false},     {"ceil", Operation::kCeiling, false},
-      {"abs", Operation::kAbsolute, false},    {"min", Operation::kMinimum, true},
-      {"max", Operation::kMaximum, true},
+      {"sqrt", Operation::kSquareRoot, false, false}, {"sin", Operation::kSine, false, false},
+      {"cos", Operation::kCosine, false, false},      {"tan", Operation::kTangent, false, false},
+      {"floor", Operation::kFloor, false, true},      {"ceil", Operation::kCeiling, false, true},
+      {"abs", Operation::kAbsolute, false, true},     {"min", Operation::kMinimum, true, true},
+      {"max", Operation::kMaximum, true, true},
   };
   const auto* found =
       std::find_if(std::begin(kFunctions), std::end(kFunctions),
                    [function](const Function& entry) { return entry.name == function; });
   if (found == std::end(kFunctions)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "column ", column + 1, ": there is no function '", std::string(function), "'"));
+    return FailAt(column, absl::StrCat("there is no function '", std::string(function), "'"));
   }
-  MORTISE_RETURN_IF_ERROR(ParseSum());
+  MORTISE_ASSIGN_OR_RETURN(Term result, ParseOperand(&ExpressionParser::ParseEither));
   int arguments = 1;
   while (found->takes_many && Take(',')) {
-    MORTISE_RETURN_IF_ERROR(ParseSum());
+    MORTISE_ASSIGN_OR_RETURN(const Term other, ParseOperand(&ExpressionParser::ParseEither));
+    result.dimension = CommonDimension(result.dimension, other.dimension);
     Emit(found->operation);
     ++arguments;
   }
   if (found->takes_many && arguments < 2) return Fail("','");
   if (!found->takes_many) Emit(found->operation);
-  return Take(')') ? absl::OkStatus() : Fail("')'");
+  if (!Take(')')) return Fail("')'");
+  result.column = column;
+  if (!found->keeps_unit) result.dimension.reset();
+  return result;
 }
 
-void ExpressionParser::Emit(Operation operation, int parameter, double constant) {
+// ---- The program --------------------------------------------------------------------------------
+
+std::size_t ExpressionParser::Emit(Operation operation, int parameter, double constant) {
   result_.program_.push_back({operation, parameter, constant});
   switch (operation) {
     case Operation::kConstant:
     case Operation::kParameter:
       ++stack_;
       break;
-    case Operation::kAdd:
-    case Operation::kSubtract:
-    case Operation::kMultiply:
-    case Operation::kDivide:
-    case Operation::kPower:
-    case Operation::kMinimum:
-    case Operation::kMaximum:
-      --stack_;
+    case Operation::kNegate:
+    case Operation::kAbsolute:
+    case Operation::kSquareRoot:
+    case Operation::kSine:
+    case Operation::kCosine:
+    case Operation::kTangent:
+    case Operation::kFloor:
+    case Operation::kCeiling:
+    case Operation::kNot:
+    case Operation::kJump:
       break;
     default:
+      --stack_;
       break;
   }
   result_.stack_size_ = std::max(result_.stack_size_, stack_);
+  return result_.program_.size() - 1;
+}
+
+void ExpressionParser::Land(std::size_t jump) {
+  result_.program_[jump].parameter = static_cast<int>(result_.program_.size());
 }
 
 bool ExpressionParser::Take(char c) {
   if (Peek() != c || position_ >= text_.size()) return false;
   ++position_;
+  return true;
+}
+
+bool ExpressionParser::TakeWord(std::string_view word) {
+  Peek();
+  if (!text_.substr(position_).starts_with(word)) return false;
+  const std::size_t end = position_ + word.size();
+  if (end < text_.size() && (IsNameStart(text_[end]) || IsDigit(text_[end]))) return false;
+  position_ = end;
   return true;
 }
 
@@ -207,9 +443,20 @@ char ExpressionParser::Peek() {
   return position_ < text_.size() ? text_[position_] : '\0';
 }
 
+int ExpressionParser::FindParameter(std::string_view name) const {
+  const auto found =
+      std::find_if(parameters_.begin(), parameters_.end(),
+                   [name](const ExpressionName& entry) { return entry.name == name; });
+  return found == parameters_.end() ? -1 : static_cast<int>(found - parameters_.begin());
+}
+
 absl::Status ExpressionParser::Fail(std::string_view expected) const {
+  return FailAt(position_, absl::StrCat("expected ", std::string(expected)));
+}
+
+absl::Status ExpressionParser::FailAt(std::size_t column, std::string_view message) {
   return absl::InvalidArgumentError(
-      absl::StrCat("column ", position_ + 1, ": expected ", std::string(expected)));
+      absl::StrCat("column ", column + 1, ": ", std::string(message)));
 }
 
 }  // namespace mortise::parametric

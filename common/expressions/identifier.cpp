@@ -13,8 +13,9 @@ bool IsIdentifier(std::string_view name) {
 }
 
 bool IsReserved(std::string_view name) {
-  constexpr std::array<std::string_view, 10> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
-                                                       "floor", "ceil", "abs", "min", "max"};
+  constexpr std::array<std::string_view, 14> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
+                                                       "floor", "ceil", "abs", "min", "max",
+                                                       "if",    "and",  "or",  "not"};
   return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
 }
 

@@ -34,6 +34,10 @@ std::vector<std::string> WordsOf(const std::string& text) {
   std::vector<std::string> words;
   for (std::size_t i = 0; i < text.size();) {
     std::size_t end = i + 1;
+    if (text[i] == '\'') {  // the value of a choice
+      i = std::min(text.find('\'', end), text.size() - 1) + 1;
+      continue;
+    }
     const bool is_number = is_digit(text[i]) || text[i] == '.';
     if (is_letter(text[i]) || is_number) {
       while (end < text.size() && (is_letter(text[end]) || is_digit(text[end]))) ++end;
@@ -122,8 +126,10 @@ void MetricExpressions::AddPoint(const PointDefinition& definition, const std::s
   } else if (std::any_of(points_.begin(), points_.end(), is_taken)) {
     findings.push_back({field + ".name", absl::StrCat("'", definition.name, "' occurs twice")});
   }
-  std::vector<std::string> names;
-  for (const NamedUnit& parameter : known.parameters) names.push_back(parameter.name);
+  std::vector<ExpressionName> names;
+  for (const NamedUnit& parameter : known.parameters) {
+    names.push_back({parameter.name, DimensionOf(parameter.unit), parameter.choices});
+  }
   Point& point = points_.emplace_back(Point{definition.name, field, {}});
   const std::array<const std::string*, 3> texts{&definition.x, &definition.y, &definition.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -147,7 +153,8 @@ std::optional<MetricExpressions::Variable> MetricExpressions::FindVariable(
     return Variable{.kind = Kind::kParameter,
                     .index = static_cast<int>(i),
                     .name = name,
-                    .dimension = DimensionOf(parameter.unit)};
+                    .dimension = DimensionOf(parameter.unit),
+                    .choices = parameter.choices};
   }
   for (const NamedUnit& metric : known.metrics) {
     if (metric.name != name) continue;
@@ -186,8 +193,10 @@ void MetricExpressions::Parse(std::size_t index, const Known& known,
       parsed.variables.push_back(*std::move(variable));
     }
   }
-  std::vector<std::string> names;
-  for (const Variable& variable : parsed.variables) names.push_back(variable.name);
+  std::vector<ExpressionName> names;
+  for (const Variable& variable : parsed.variables) {
+    names.push_back({variable.name, variable.dimension, variable.choices});
+  }
   auto expression = Expression::Parse(parsed.masked, names);
   if (!expression.ok()) {
     return fail(

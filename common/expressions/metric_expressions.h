@@ -4,7 +4,9 @@
 //
 // Expressions are those of expression.h. What stands in quotes is, as the argument of a function,
 // the name of a place (metric_function.h), and by itself a number with its unit, '30 N m'. A plain
-// number has no unit: "length - 0.03" is a fault, "length - '30 mm'" is not.
+// number has no unit: "length - 0.03" is a fault, "length - '30 mm'" is not. Beside == and !=, what
+// stands in quotes and is no number is the name of a value: "if(armrests == 'both', mass, 0)", with
+// '0 kg' for the 0.
 //
 // Whether an expression has the unit it claims is found by trying: where everything that is
 // measured in metres is doubled, something in m² must be four times as much, whatever the values.
@@ -46,7 +48,8 @@ struct MetricDefinitions {
 // A parameter, or a metric that is computed otherwise.
 struct NamedUnit {
   std::string name;
-  std::string unit;  // empty where nobody knows: then it is not checked
+  std::string unit;                       // empty where nobody knows: then it is not checked
+  std::vector<std::string> choices = {};  // names of the values of a parameter that is a choice
 };
 
 // Can be used from any number of threads.
@@ -109,6 +112,7 @@ class MetricExpressions {
     MetricCall call = {};                     // of a call
     double value = 0;                         // of a quantity
     std::optional<Dimension> dimension = {};  // nothing where nobody knows
+    std::vector<std::string> choices = {};    // of a parameter that is a choice
   };
   struct Parsed {
     std::string field;

@@ -25,6 +25,7 @@ class MetricTextReader {
 
   absl::StatusOr<MetricText> Read() {
     while ((position_ = source_.find('\'', position_)) != std::string_view::npos) {
+      if (SkipValue()) continue;
       const std::size_t begin = CallBefore(position_);
       QuotedTerm term{absl::StrCat("_", read_.terms.size()), {}, {}};
       MORTISE_RETURN_IF_ERROR(begin == position_ ? ReadQuantity(term) : ReadCall(begin, term));
@@ -46,6 +47,23 @@ class MetricTextReader {
     std::size_t begin = at;
     while (begin > 0 && IsWord(source_[begin - 1])) --begin;
     return begin == at ? quote : begin;
+  }
+
+  // Leaves the name of a choice's value where it is: what is compared and is no number.
+  bool SkipValue() {
+    const std::size_t end = source_.find('\'', position_ + 1);
+    if (end == std::string_view::npos) return false;
+    const std::string_view quoted = source_.substr(position_ + 1, end - position_ - 1);
+    const auto compares = [](std::string_view text) { return text == "==" || text == "!="; };
+    std::size_t before = position_;
+    while (before > 0 && IsBlank(source_[before - 1])) --before;
+    std::size_t after = end + 1;
+    while (after < source_.size() && IsBlank(source_[after])) ++after;
+    const bool is_compared = (before >= 2 && compares(source_.substr(before - 2, 2))) ||
+                             compares(source_.substr(after, 2));
+    if (!is_compared || DecimalNumberPrefix(quoted)) return false;
+    position_ = end + 1;
+    return true;
   }
 
   absl::StatusOr<std::string> ReadQuoted() {
