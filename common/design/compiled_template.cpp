@@ -6,19 +6,37 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/boundary_condition.h"
+#include "common/design/parameter_values.h"
 #include "common/design/template_checks.h"
 #include "common/design/template_validation.h"
 
 namespace mortise::parametric {
 namespace {
 
-using Names = std::vector<std::string>;
+using Names = std::vector<ExpressionName>;
+
+absl::StatusOr<PlacedExpression> Place(absl::StatusOr<Expression> parsed, std::string field) {
+  if (!parsed.ok()) return InvalidField(field, std::string(parsed.status().message()));
+  return PlacedExpression{*std::move(parsed), std::move(field)};
+}
 
 absl::StatusOr<PlacedExpression> CompileExpression(const std::string& text, std::string field,
                                                    const Names& parameters) {
-  absl::StatusOr<Expression> parsed = Expression::Parse(text, parameters);
-  if (!parsed.ok()) return InvalidField(field, std::string(parsed.status().message()));
-  return PlacedExpression{*std::move(parsed), std::move(field)};
+  return Place(Expression::Parse(text, parameters), std::move(field));
+}
+
+absl::StatusOr<PlacedExpression> CompileCondition(const std::string& text, std::string field,
+                                                  const Names& parameters) {
+  return Place(Expression::ParseCondition(text, parameters), std::move(field));
+}
+
+// Nothing where the text is empty.
+absl::Status CompilePresent(const std::string& text, const std::string& owner,
+                            const Names& parameters, std::optional<PlacedExpression>& present) {
+  if (text.empty()) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(present, CompileCondition(text, owner + ".present", parameters));
+  return absl::OkStatus();
 }
 
 absl::Status CompileExtent(const Extent& extent, const std::string& field, const Names& parameters,
@@ -62,57 +80,141 @@ absl::Status CompileBody(const Prism& prism, const Names& parameters, CompiledPa
                        part.from, part.to);
 }
 
+CompiledItem CompileItem(const TemplateBundle& bundle, const std::string& name) {
+  const Item& item = *FindItem(bundle.items, name);
+  return {name, item.material, FindMaterial(bundle.materials, item.material)->density,
+          CuttingProcess(item)};
+}
+
+CompiledPeg CompilePeg(const TemplateBundle& bundle, const std::string& name) {
+  const Item& peg = *FindItem(bundle.items, name);
+  return {name, peg.dimensions[1].size, peg.dimensions[0].size};
+}
+
+// `compile` makes what is needed of an item.
+template <typename Compiled>
+absl::StatusOr<Alternatives<Compiled>> CompileItems(
+    const TemplateBundle& bundle, const std::string& own, const std::vector<ConditionalItem>& items,
+    const std::string& owner, const Names& parameters,
+    Compiled (*compile)(const TemplateBundle&, const std::string&)) {
+  Alternatives<Compiled> alternatives{compile(bundle, own)};
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(
+        PlacedExpression when,
+        CompileCondition(items[i].when, absl::StrCat(owner, ".items[", i, "].when"), parameters));
+    alternatives.others.emplace_back(std::move(when), compile(bundle, items[i].item));
+  }
+  return alternatives;
+}
+
+absl::StatusOr<CompiledRepeat> CompileRepeat(const PartRepeat& repeat, const std::string& field,
+                                             const Names& parameters) {
+  CompiledRepeat compiled;
+  compiled.has_index = !repeat.index.empty();
+  MORTISE_ASSIGN_OR_RETURN(compiled.count,
+                           CompileExpression(repeat.count, field + ".count", parameters));
+  const std::array<const std::string*, 3> steps = {&repeat.x, &repeat.y, &repeat.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (steps[axis]->empty()) continue;
+    MORTISE_ASSIGN_OR_RETURN(
+        compiled.step[axis],
+        CompileExpression(*steps[axis], absl::StrCat(field, ".", AxisName(static_cast<Axis>(axis))),
+                          parameters));
+  }
+  return compiled;
+}
+
 absl::StatusOr<CompiledPart> CompilePart(const TemplateBundle& bundle,
-                                         const PartTemplate& definition, std::string field) {
+                                         const PartTemplate& definition, const Names& parameters,
+                                         std::string field) {
   CompiledPart part;
   part.field = std::move(field);
   part.face_names = FaceNames(definition);
-  const Item& item = *FindItem(bundle.items, definition.item);
-  part.material = item.material;
-  part.density = FindMaterial(bundle.materials, item.material)->density;
-  part.process = CuttingProcess(item);
-  const Names parameters = ParameterNames(bundle.definition);
+  MORTISE_RETURN_IF_ERROR(CompilePresent(definition.present, part.field, parameters, part.present));
+  for (std::size_t i = 0; i < definition.repeat.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(
+        CompiledRepeat repeat,
+        CompileRepeat(definition.repeat[i], absl::StrCat(part.field, ".repeat[", i, "]"),
+                      parameters));
+    part.repeat.push_back(std::move(repeat));
+  }
+  MORTISE_ASSIGN_OR_RETURN(part.item, CompileItems(bundle, definition.item, definition.items,
+                                                   part.field, parameters, &CompileItem));
+  const Names names = BodyNames(definition, parameters);
   MORTISE_RETURN_IF_ERROR(std::visit(
-      [&](const auto& body) { return CompileBody(body, parameters, part); }, definition.body));
+      [&](const auto& body) { return CompileBody(body, names, part); }, definition.body));
   return part;
 }
 
-// The index of a part that the checks have found to exist.
-std::size_t IndexOfPart(const TemplateDefinition& definition, const std::string& name) {
-  return static_cast<std::size_t>(
+// A part that the checks have found to exist.
+CompiledReference CompileReference(const TemplateDefinition& definition, const std::string& name) {
+  CopyReference reference = *ReadCopyName(name);
+  const auto found =
       std::find_if(definition.parts.begin(), definition.parts.end(),
-                   [&name](const PartTemplate& part) { return part.name == name; }) -
-      definition.parts.begin());
+                   [&](const PartTemplate& part) { return part.name == reference.part; });
+  return {static_cast<std::size_t>(found - definition.parts.begin()), std::move(reference.numbers)};
 }
 
-CompiledConnection CompileConnection(const TemplateBundle& bundle, const Connection& connection,
-                                     std::string field) {
+std::size_t IndexOfFace(const PartTemplate& part, const std::string& face) {
+  const std::vector<std::string> faces = FaceNames(part);
+  return static_cast<std::size_t>(std::find(faces.begin(), faces.end(), face) - faces.begin());
+}
+
+absl::StatusOr<CompiledConnection> CompileConnection(const TemplateBundle& bundle,
+                                                     const Connection& connection,
+                                                     const Names& parameters, std::string field) {
   CompiledConnection result;
   result.field = std::move(field);
-  result.part = IndexOfPart(bundle.definition, connection.part);
-  result.other_part = IndexOfPart(bundle.definition, connection.other_part);
-  const Names faces = FaceNames(bundle.definition.parts[result.part]);
-  result.face = static_cast<std::size_t>(std::find(faces.begin(), faces.end(), connection.face) -
-                                         faces.begin());
-  const Item& peg = *FindItem(bundle.items, connection.item);
-  result.length = peg.dimensions[0].size;
-  result.diameter = peg.dimensions[1].size;
+  result.part = CompileReference(bundle.definition, connection.part);
+  result.other_part = CompileReference(bundle.definition, connection.other_part);
+  result.face = IndexOfFace(bundle.definition.parts[result.part.part], connection.face);
+  MORTISE_RETURN_IF_ERROR(
+      CompilePresent(connection.present, result.field, parameters, result.present));
+  MORTISE_ASSIGN_OR_RETURN(result.peg, CompileItems(bundle, connection.item, connection.items,
+                                                    result.field, parameters, &CompilePeg));
   return result;
+}
+
+std::optional<CompiledPlace> CompilePlace(const TemplateDefinition& definition,
+                                          const BoundaryCondition& condition) {
+  if (!ActsOnFace(condition.kind)) return std::nullopt;
+  CompiledPlace place{CompileReference(definition, condition.part)};
+  place.face = IndexOfFace(definition.parts[place.part.part], condition.face);
+  return place;
 }
 
 }  // namespace
 
-std::vector<std::string> ParameterNames(const TemplateDefinition& definition) {
-  Names names;
-  for (const Parameter& parameter : definition.parameters) names.push_back(parameter.name);
-  return names;
+absl::StatusOr<bool> HoldsAt(const std::optional<PlacedExpression>& condition,
+                             const Eigen::VectorXd& q) {
+  if (!condition) return true;
+  return HoldsAt(*condition, q);
+}
+
+absl::StatusOr<bool> HoldsAt(const PlacedExpression& condition, const Eigen::VectorXd& q) {
+  absl::StatusOr<bool> holds = condition.expression.Holds(q);
+  if (!holds.ok()) return InvalidField(condition.field, std::string(holds.status().message()));
+  return holds;
+}
+
+bool CompiledPart::HasIndex() const {
+  return std::any_of(repeat.begin(), repeat.end(),
+                     [](const CompiledRepeat& direction) { return direction.has_index; });
+}
+
+std::vector<ExpressionName> BodyNames(const PartTemplate& part,
+                                      std::vector<ExpressionName> parameters) {
+  for (const PartRepeat& repeat : part.repeat) {
+    if (!repeat.index.empty()) parameters.push_back({repeat.index, Dimension{}});
+  }
+  return parameters;
 }
 
 std::vector<std::string> FaceNames(const PartTemplate& part) {
   if (std::holds_alternative<Box>(part.body)) {
     return {"y_min", "x_max", "y_max", "x_min", "z_min", "z_max"};
   }
-  Names names;
+  std::vector<std::string> names;
   for (std::size_t i = 0; i < std::get<Prism>(part.body).outline.size(); ++i) {
     names.push_back(absl::StrCat("side", i));
   }
@@ -135,19 +237,24 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
   CompiledTemplate compiled;
   compiled.bundle = bundle;
   const TemplateDefinition& definition = bundle.definition;
+  const Names parameters = ExpressionNames(definition.parameters);
   for (std::size_t i = 0; i < definition.parts.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(CompiledPart part, CompilePart(bundle, definition.parts[i],
+    MORTISE_ASSIGN_OR_RETURN(CompiledPart part, CompilePart(bundle, definition.parts[i], parameters,
                                                             absl::StrCat("parts[", i, "]")));
     compiled.parts.push_back(std::move(part));
   }
   for (std::size_t i = 0; i < definition.connections.size(); ++i) {
-    compiled.connections.push_back(
-        CompileConnection(bundle, definition.connections[i], absl::StrCat("connections[", i, "]")));
+    MORTISE_ASSIGN_OR_RETURN(CompiledConnection connection,
+                             CompileConnection(bundle, definition.connections[i], parameters,
+                                               absl::StrCat("connections[", i, "]")));
+    compiled.connections.push_back(std::move(connection));
+  }
+  for (const BoundaryCondition& condition : definition.boundary_conditions) {
+    compiled.places.push_back(CompilePlace(definition, condition));
   }
   std::vector<FieldViolation> findings;
-  compiled.conditions =
-      ConditionExpressions(definition.boundary_conditions, definition.reference_temperature,
-                           ParameterNames(definition), findings);
+  compiled.conditions = ConditionExpressions(
+      definition.boundary_conditions, definition.reference_temperature, parameters, findings);
   MORTISE_RETURN_IF_ERROR(ToStatus(findings));
   return compiled;
 }

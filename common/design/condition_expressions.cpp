@@ -14,10 +14,9 @@ std::string Place(std::size_t index, std::size_t component) {
   return absl::StrCat(Place(index), ".components[", component, "]");
 }
 
-std::optional<Expression> Parse(const std::string& field, const std::string& text,
-                                const std::vector<std::string>& parameters,
-                                std::vector<FieldViolation>& findings) {
-  auto expression = Expression::Parse(text, parameters);
+std::optional<Expression> Take(const std::string& field, const std::string& text,
+                               absl::StatusOr<Expression> expression,
+                               std::vector<FieldViolation>& findings) {
   if (expression.ok()) return *std::move(expression);
   findings.push_back(
       {field, absl::StrCat("'", text.substr(0, 80), "': ", expression.status().message())});
@@ -36,7 +35,7 @@ void CheckWholeBody(const std::string& field, const BoundaryCondition& condition
 
 ConditionExpressions::ConditionExpressions(std::vector<BoundaryCondition> conditions,
                                            const std::string& reference_temperature,
-                                           const std::vector<std::string>& parameters,
+                                           const std::vector<ExpressionName>& parameters,
                                            std::vector<FieldViolation>& findings) {
   std::vector<ConditionUse> uses;
   for (std::size_t i = 0; i < conditions.size(); ++i) {
@@ -47,6 +46,10 @@ ConditionExpressions::ConditionExpressions(std::vector<BoundaryCondition> condit
     CheckWholeBody(field, condition, findings);
     CheckCondition(field, condition.kind, condition.components, condition.load_case, findings);
     uses.push_back({condition.kind, condition.load_case});
+    if (!condition.present.empty()) {
+      parsed.present = Take(field + ".present", condition.present,
+                            Expression::ParseCondition(condition.present, parameters), findings);
+    }
     const std::size_t expected = ComponentsOf(condition.kind).size();
     if (condition.components.size() != expected) {
       findings.push_back({field + ".components", absl::StrCat("has ", condition.components.size(),
@@ -56,15 +59,27 @@ ConditionExpressions::ConditionExpressions(std::vector<BoundaryCondition> condit
     for (std::size_t k = 0; k < expected; ++k) {
       const std::string& text = condition.components[k];
       const bool is_free = condition.kind == BoundaryConditionKind::kDisplacement && text.empty();
-      parsed.components.push_back(is_free ? std::nullopt
-                                          : Parse(Place(i, k), text, parameters, findings));
+      parsed.components.push_back(
+          is_free ? std::nullopt
+                  : Take(Place(i, k), text, Expression::Parse(text, parameters), findings));
     }
   }
   if (!reference_temperature.empty()) {
-    reference_temperature_ =
-        Parse("reference_temperature", reference_temperature, parameters, findings);
+    reference_temperature_ = Take("reference_temperature", reference_temperature,
+                                  Expression::Parse(reference_temperature, parameters), findings);
   }
   CheckConditionsTogether("boundary_conditions", uses, reference_temperature, findings);
+}
+
+absl::StatusOr<bool> ConditionExpressions::IsPresent(std::size_t index,
+                                                     const Eigen::VectorXd& q) const {
+  const std::optional<Expression>& present = conditions_[index].present;
+  if (!present) return true;
+  const absl::StatusOr<bool> holds = present->Holds(q);
+  if (holds.ok()) return *holds;
+  return InvalidField(
+      Place(index) + ".present",
+      absl::StrCat("'", conditions_[index].definition.name, "': ", holds.status().message()));
 }
 
 absl::StatusOr<EvaluatedBoundaryCondition> ConditionExpressions::At(

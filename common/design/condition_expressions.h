@@ -20,18 +20,24 @@ class ConditionExpressions {
   ConditionExpressions() = default;
 
   // Parses the expressions; what is wrong, with its place ("boundary_conditions[2].components[0]",
-  // "reference_temperature"), is added to `findings`, and then nothing else may be called. Names
-  // are not looked at, nor whether parts and faces exist, but what acts on the whole body has
-  // neither.
+  // "boundary_conditions[2].present", "reference_temperature"), is added to `findings`, and then
+  // nothing else may be called. Names are not looked at, nor whether parts and faces exist, but
+  // what acts on the whole body has neither.
   ConditionExpressions(std::vector<BoundaryCondition> conditions,
                        const std::string& reference_temperature,
-                       const std::vector<std::string>& parameters,
+                       const std::vector<ExpressionName>& parameters,
                        std::vector<FieldViolation>& findings);
 
   std::size_t size() const { return conditions_.size(); }
 
-  // Returns the condition of this index at `q`. INVALID_ARGUMENT naming the component that cannot
-  // be computed or is not what it must be, and the condition.
+  // Returns the name of the condition of this index.
+  const std::string& NameOf(std::size_t index) const { return conditions_[index].definition.name; }
+
+  // Returns whether the condition of this index acts at `q`. INVALID_ARGUMENT naming "present".
+  absl::StatusOr<bool> IsPresent(std::size_t index, const Eigen::VectorXd& q) const;
+
+  // Returns the condition of this index at `q`, whether it acts there or not. INVALID_ARGUMENT
+  // naming the component that cannot be computed or is not what it must be, and the condition.
   absl::StatusOr<EvaluatedBoundaryCondition> At(std::size_t index, const Eigen::VectorXd& q) const;
 
   // Returns the reference temperature, K; nothing where there is none. INVALID_ARGUMENT naming
@@ -41,6 +47,7 @@ class ConditionExpressions {
  private:
   struct Condition {
     BoundaryCondition definition;
+    std::optional<Expression> present;                  // nothing where it always is
     std::vector<std::optional<Expression>> components;  // nothing where a displacement is free
   };
 

@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -18,6 +20,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kAround = 1.04;  // radius around a 12-sided prism around a cylinder of 1
 constexpr double kParallelTolerance = 1e-9;  // 1 - |cosine| of directions that count as parallel
 
 // A convex body by its corners, face normals and edge directions.
@@ -92,6 +95,28 @@ double Depth(const ConvexBody& a, const ConvexBody& b) {
     }
   }
   return depth;
+}
+
+// The distance between the axes of two pegs, as segments (Ericson, Real-Time Collision Detection,
+// 5.1.9).
+double AxisDistance(const EvaluatedConnector& a, const EvaluatedConnector& b) {
+  const Vector3d start_a = a.position - a.depth_in_part * a.direction;
+  const Vector3d start_b = b.position - b.depth_in_part * b.direction;
+  const Vector3d along_a = a.length * a.direction, along_b = b.length * b.direction;
+  const Vector3d between = start_a - start_b;
+  const double aa = along_a.squaredNorm(), bb = along_b.squaredNorm();
+  const double ab = along_a.dot(along_b);
+  const double da = along_a.dot(between), db = along_b.dot(between);
+  const double determinant = aa * bb - ab * ab;
+  double s = determinant > kParallelTolerance * aa * bb
+                 ? std::clamp((ab * db - da * bb) / determinant, 0.0, 1.0)
+                 : 0;
+  double t = (ab * s + db) / bb;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = std::clamp((ab * t - da) / aa, 0.0, 1.0);
+  }
+  return (between + s * along_a - t * along_b).norm();
 }
 
 ConvexBody PegBody(const EvaluatedConnector& peg) {
@@ -186,9 +211,49 @@ double PenetrationDepth(const EvaluatedPart& a, const EvaluatedPart& b) {
 }
 
 double PenetrationDepth(const EvaluatedConnector& a, const EvaluatedConnector& b) {
-  const double reach = (a.length + b.length + a.diameter + b.diameter);
-  if ((a.position - b.position).norm() > reach) return 0;
+  // The corners of the prisms lie somewhat outside of the cylinders.
+  if (AxisDistance(a, b) > kAround * (a.diameter + b.diameter) / 2) return 0;
   return Depth(PegBody(a), PegBody(b));
+}
+
+void ForNearPegs(const std::vector<EvaluatedConnector>& pegs,
+                 const std::function<bool(std::size_t, std::size_t)>& visit) {
+  // Cells are as large as the farthest that two middles may be apart, so that those of a peg's cell
+  // and its neighbours are all that may be near.
+  double reach = 0;
+  std::vector<Vector3d> middles;
+  for (const EvaluatedConnector& peg : pegs) {
+    reach = std::max(reach, peg.length + peg.diameter);
+    middles.emplace_back(peg.position + (peg.length / 2 - peg.depth_in_part) * peg.direction);
+  }
+  using Cell = std::array<std::int64_t, 3>;
+  std::vector<std::pair<Cell, std::size_t>> sorted;
+  for (std::size_t i = 0; i < pegs.size(); ++i) {
+    const Vector3d at = middles[i] / reach;
+    sorted.push_back({{static_cast<std::int64_t>(std::floor(at.x())),
+                       static_cast<std::int64_t>(std::floor(at.y())),
+                       static_cast<std::int64_t>(std::floor(at.z()))},
+                      i});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const auto is_near = [&](std::size_t i, std::size_t j) {
+    const double farthest =
+        (pegs[i].length + pegs[j].length + pegs[i].diameter + pegs[j].diameter) / 2;
+    return (middles[i] - middles[j]).norm() <= farthest;
+  };
+  for (const auto& [cell, i] : sorted) {
+    for (int row = 0; row < 9; ++row) {
+      // Cells that follow each other along z lie together in the order.
+      const std::int64_t x = cell[0] + row / 3 - 1, y = cell[1] + row % 3 - 1;
+      const Cell end{x, y, cell[2] + 2};
+      const std::pair from(Cell{x, y, cell[2] - 1}, std::size_t{0});
+      for (auto near = std::lower_bound(sorted.begin(), sorted.end(), from);
+           near != sorted.end() && near->first < end; ++near) {
+        const std::size_t j = near->second;
+        if (j > i && is_near(i, j) && !visit(i, j)) return;
+      }
+    }
+  }
 }
 
 bool ContainsCylinder(const EvaluatedPart& part, const Vector3d& start, const Vector3d& direction,

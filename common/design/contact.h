@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,12 @@ double PenetrationDepth(const EvaluatedPart& a, const EvaluatedPart& b);
 // Returns the depth as PenetrationDepth does, between two pegs as 12-sided prisms around their
 // cylinders.
 double PenetrationDepth(const EvaluatedConnector& a, const EvaluatedConnector& b);
+
+// Calls `visit` with each pair of pegs, the lesser index first, of which the middles are so near
+// each other that they may meet, until it returns false; in no order, but always the same. O(n) for
+// pegs that lie about as far apart as they are long.
+void ForNearPegs(const std::vector<EvaluatedConnector>& pegs,
+                 const std::function<bool(std::size_t, std::size_t)>& visit);
 
 // Whether the cylinder of radius `radius` from `start` along the unit vector `direction` for
 // `length` lies within the part (its surface included).

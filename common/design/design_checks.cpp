@@ -1,8 +1,11 @@
 // Checks of an evaluated design: can it be cut from its items, and put together?
 #include "common/design/design_checks.h"
 
-#include <cmath>
+#include <algorithm>
+#include <numeric>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
@@ -15,8 +18,14 @@ namespace {
 
 constexpr double kFixedSizeTolerance = 1e-5;  // m, between a part and a fixed dimension
 constexpr double kRangeTolerance = 1e-9;      // m, beyond the range of a resizable dimension
-constexpr std::size_t kMaxPegs = 1000;        // of a design; each is compared with all others
+constexpr std::size_t kMaxMeeting = 100;      // pairs of connections with pegs that meet
 constexpr const char* kDimensionNames[] = {"length", "width", "thickness"};
+
+// A part, and where the template says it.
+struct PlacedPart {
+  const CompiledPart* compiled;
+  const EvaluatedPart* part;
+};
 
 // Splits a field's status back into a finding: the message begins with the field.
 FieldViolation FindingOf(const absl::Status& status) {
@@ -49,66 +58,118 @@ void CheckSize(const CompiledPart& compiled, const EvaluatedPart& part, const It
   }
 }
 
-void CheckPenetrations(const CompiledTemplate& compiled,
-                       const std::vector<std::optional<EvaluatedPart>>& parts,
-                       std::vector<FieldViolation>& findings) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    for (std::size_t j = i + 1; j < parts.size(); ++j) {
-      if (!parts[i] || !parts[j]) continue;
-      const double depth = PenetrationDepth(*parts[i], *parts[j]);
-      if (depth <= kContactTolerance) continue;
-      findings.push_back(
-          {compiled.parts[j].field, absl::StrCat("'", parts[j]->name, "' penetrates '",
-                                                 parts[i]->name, "' by ", depth, " m")});
+// Pairs of parts of which the boxes overlap along x, so that not all have to be compared; in the
+// order of the template.
+std::vector<std::pair<std::size_t, std::size_t>> PairsToCompare(
+    const std::vector<PlacedPart>& parts) {
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return parts[a].part->minimum.x() < parts[b].part->minimum.x();
+  });
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double end = parts[order[i]].part->maximum.x() - kContactTolerance;
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      if (parts[order[j]].part->minimum.x() >= end) break;
+      pairs.emplace_back(std::min(order[i], order[j]), std::max(order[i], order[j]));
     }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void CheckPenetrations(const std::vector<PlacedPart>& parts,
+                       std::vector<FieldViolation>& findings) {
+  for (const auto& [i, j] : PairsToCompare(parts)) {
+    const double depth = PenetrationDepth(*parts[i].part, *parts[j].part);
+    if (depth <= kContactTolerance) continue;
+    findings.push_back(
+        {parts[j].compiled->field, absl::StrCat("'", parts[j].part->name, "' penetrates '",
+                                                parts[i].part->name, "' by ", depth, " m")});
   }
 }
 
-void CheckPegInParts(const CompiledConnection& compiled, const EvaluatedConnector& peg,
-                     const std::vector<EvaluatedPart>& parts,
-                     std::vector<FieldViolation>& findings) {
+void CheckPegInParts(const CompiledConnection& compiled, const JoinedPair& pair,
+                     const EvaluatedConnector& peg, std::vector<FieldViolation>& findings) {
   const double radius = peg.diameter / 2;
   const double in_other = peg.length - peg.depth_in_part;
-  if (!ContainsCylinder(parts[compiled.part], peg.position, -peg.direction, peg.depth_in_part,
-                        radius)) {
+  if (!ContainsCylinder(*pair.part, peg.position, -peg.direction, peg.depth_in_part, radius)) {
     findings.push_back({compiled.field, absl::StrCat("a peg sticks out of '", peg.part, "'")});
   }
-  if (!ContainsCylinder(parts[compiled.other_part], peg.position, peg.direction, in_other,
-                        radius)) {
+  if (!ContainsCylinder(*pair.other_part, peg.position, peg.direction, in_other, radius)) {
     findings.push_back(
         {compiled.field, absl::StrCat("a peg sticks out of '", peg.other_part, "'")});
   }
 }
 
-void CheckPegs(const CompiledTemplate& compiled, const std::vector<EvaluatedPart>& parts,
-               std::vector<FieldViolation>& findings) {
-  struct PlacedPeg {
-    EvaluatedConnector peg;
-    std::size_t connection;
-  };
-  std::vector<PlacedPeg> all;
+// Pegs, and of which connection each is.
+struct PlacedPegs {
+  std::vector<EvaluatedConnector> pegs;
+  std::vector<std::size_t> connections;
+};
+
+void CheckPegsApart(const CompiledTemplate& compiled, const PlacedPegs& placed,
+                    std::vector<FieldViolation>& findings) {
+  std::set<std::pair<std::size_t, std::size_t>> meeting;  // connections
+  ForNearPegs(placed.pegs, [&](std::size_t i, std::size_t j) {
+    const std::pair connections(placed.connections[i], placed.connections[j]);
+    if (meeting.contains(connections)) return true;
+    if (PenetrationDepth(placed.pegs[i], placed.pegs[j]) > kContactTolerance) {
+      meeting.insert(connections);
+    }
+    return meeting.size() < kMaxMeeting;
+  });
+  for (const auto& [one, other] : meeting) {
+    findings.push_back({compiled.connections[other].field,
+                        absl::StrCat("a peg meets a peg of '",
+                                     compiled.bundle.definition.connections[one].name, "'")});
+  }
+}
+
+void CheckPegs(const CompiledTemplate& compiled, const std::vector<PartCopies>& parts,
+               const Eigen::VectorXd& q, std::vector<FieldViolation>& findings) {
+  PlacedPegs placed;
   for (std::size_t i = 0; i < compiled.connections.size(); ++i) {
-    const auto pegs = EvaluateConnection(compiled, i, parts);
-    if (!pegs.ok()) {
-      findings.push_back(FindingOf(pegs.status()));
+    const auto pairs = EvaluateConnection(compiled, i, parts, q);
+    if (!pairs.ok()) {
+      findings.push_back(FindingOf(pairs.status()));
       continue;
     }
-    if (all.size() + pegs->size() > kMaxPegs) {
-      findings.push_back({"connections", absl::StrCat("make more than ", kMaxPegs, " pegs")});
+    for (const JoinedPair& pair : *pairs) {
+      for (const EvaluatedConnector& peg : pair.pegs) {
+        CheckPegInParts(compiled.connections[i], pair, peg, findings);
+        placed.pegs.push_back(peg);
+        placed.connections.push_back(i);
+      }
+    }
+    if (const absl::Status count = CheckPegCount(placed.pegs.size()); !count.ok()) {
+      findings.push_back(FindingOf(count));
       return;
     }
-    for (const EvaluatedConnector& peg : *pegs) {
-      CheckPegInParts(compiled.connections[i], peg, parts, findings);
-      all.push_back({peg, i});
-    }
   }
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
-      if (PenetrationDepth(all[i].peg, all[j].peg) <= kContactTolerance) continue;
-      findings.push_back({compiled.connections[all[j].connection].field,
-                          absl::StrCat("a peg meets a peg of '", all[i].peg.connection, "'")});
+  CheckPegsApart(compiled, placed, findings);
+}
+
+// What is wrong with the numbers of conditions. Whether their parts are there, and their shares,
+// is known only where all parts are.
+void CheckConditions(const CompiledTemplate& compiled,
+                     const std::vector<std::optional<PartCopies>>& parts,
+                     const std::vector<PartCopies>& whole, const Eigen::VectorXd& q,
+                     std::vector<FieldViolation>& findings) {
+  for (std::size_t i = 0; i < compiled.conditions.size(); ++i) {
+    absl::Status status;
+    if (whole.size() == parts.size()) {
+      status = EvaluateCondition(compiled, i, whole, q).status();
+    } else if (const auto present = compiled.conditions.IsPresent(i, q); !present.ok()) {
+      status = present.status();
+    } else if (*present) {
+      status = compiled.conditions.At(i, q).status();
     }
+    if (!status.ok()) findings.push_back(FindingOf(status));
   }
+  const auto reference = compiled.conditions.ReferenceTemperature(q);
+  if (!reference.ok()) findings.push_back(FindingOf(reference.status()));
 }
 
 }  // namespace
@@ -116,27 +177,39 @@ void CheckPegs(const CompiledTemplate& compiled, const std::vector<EvaluatedPart
 std::vector<FieldViolation> CheckDesign(const CompiledTemplate& compiled,
                                         const Eigen::VectorXd& q) {
   std::vector<FieldViolation> findings;
-  std::vector<std::optional<EvaluatedPart>> parts(compiled.parts.size());
-  std::vector<EvaluatedPart> whole;
+  std::vector<std::optional<PartCopies>> parts(compiled.parts.size());
+  std::size_t count = 0;
   for (std::size_t i = 0; i < compiled.parts.size(); ++i) {
-    auto part = EvaluatePart(compiled, i, q);
-    if (!part.ok()) {
-      findings.push_back(FindingOf(part.status()));
+    auto copies = EvaluatePart(compiled, i, q);
+    if (!copies.ok()) {
+      findings.push_back(FindingOf(copies.status()));
       continue;
     }
-    CheckSize(compiled.parts[i], *part, *FindItem(compiled.bundle.items, part->item), findings);
-    parts[i] = *part;
-    whole.push_back(*std::move(part));
+    for (const EvaluatedPart& part : copies->parts) {
+      CheckSize(compiled.parts[i], part, *FindItem(compiled.bundle.items, part.item), findings);
+    }
+    count += copies->parts.size();
+    parts[i] = *std::move(copies);
   }
-  CheckPenetrations(compiled, parts, findings);
-  for (std::size_t i = 0; i < compiled.conditions.size(); ++i) {
-    const auto condition = compiled.conditions.At(i, q);
-    if (!condition.ok()) findings.push_back(FindingOf(condition.status()));
+  std::vector<PlacedPart> placed;
+  std::vector<PartCopies> whole;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i]) continue;
+    for (const EvaluatedPart& part : parts[i]->parts) placed.push_back({&compiled.parts[i], &part});
   }
-  const auto reference = compiled.conditions.ReferenceTemperature(q);
-  if (!reference.ok()) findings.push_back(FindingOf(reference.status()));
+  const bool is_whole =
+      std::all_of(parts.begin(), parts.end(), [](const auto& part) { return part.has_value(); });
+  if (const absl::Status enough = CheckPartCount(count); is_whole && !enough.ok()) {
+    findings.push_back(FindingOf(enough));
+    return findings;
+  }
+  CheckPenetrations(placed, findings);
+  if (is_whole) {
+    for (std::optional<PartCopies>& part : parts) whole.push_back(*std::move(part));
+  }
+  CheckConditions(compiled, parts, whole, q, findings);
   // Contacts mean something only between parts that have a shape.
-  if (whole.size() == parts.size()) CheckPegs(compiled, whole, findings);
+  if (is_whole) CheckPegs(compiled, whole, q, findings);
   return findings;
 }
 

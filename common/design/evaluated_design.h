@@ -72,7 +72,8 @@ struct EvaluatedBoundaryCondition : ConditionNumbers {
 
 struct NamedValue {
   std::string name;
-  double value = 0;
+  double value = 0;         // of a choice the number of its value
+  std::string choice = {};  // of a choice the name of its value
 };
 
 struct EvaluatedDesign {

@@ -13,6 +13,61 @@ namespace mortise::parametric {
 
 using Eigen::VectorXd;
 
+namespace {
+
+void AddToStructure(const PartTemplate& definition, const PartCopies& copies,
+                    Structure& structure) {
+  if (!copies.is_present) {
+    structure.absent_parts.push_back(definition.name);
+    return;
+  }
+  if (!copies.numbers.empty()) structure.counts.push_back({definition.name, copies.numbers});
+  if (!definition.items.empty()) structure.items.push_back({definition.name, copies.item});
+}
+
+absl::StatusOr<std::vector<PartCopies>> PartsAt(const CompiledTemplate& compiled,
+                                                const VectorXd& q) {
+  std::vector<PartCopies> all;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < compiled.parts.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(PartCopies copies, EvaluatePart(compiled, i, q));
+    count += copies.parts.size();
+    all.push_back(std::move(copies));
+  }
+  MORTISE_RETURN_IF_ERROR(CheckPartCount(count));
+  return all;
+}
+
+absl::Status AddConnectors(const CompiledTemplate& compiled, const std::vector<PartCopies>& parts,
+                           const VectorXd& q, EvaluatedDesign& design) {
+  for (std::size_t i = 0; i < compiled.connections.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(std::vector<JoinedPair> pairs,
+                             EvaluateConnection(compiled, i, parts, q));
+    for (JoinedPair& pair : pairs) {
+      std::move(pair.pegs.begin(), pair.pegs.end(), std::back_inserter(design.connectors));
+    }
+    MORTISE_RETURN_IF_ERROR(CheckPegCount(design.connectors.size()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddConditions(const CompiledTemplate& compiled, const std::vector<PartCopies>& parts,
+                           const VectorXd& q, EvaluatedDesign& design) {
+  for (std::size_t i = 0; i < compiled.conditions.size(); ++i) {
+    MORTISE_ASSIGN_OR_RETURN(auto conditions, EvaluateCondition(compiled, i, parts, q));
+    if (!conditions) {
+      design.structure->absent_conditions.push_back(
+          compiled.bundle.definition.boundary_conditions[i].name);
+      continue;
+    }
+    std::move(conditions->begin(), conditions->end(),
+              std::back_inserter(design.boundary_conditions));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 TemplateFunction::TemplateFunction(std::shared_ptr<const CompiledTemplate> compiled)
     : compiled_(std::move(compiled)) {}
 
@@ -46,19 +101,18 @@ absl::StatusOr<EvaluatedDesign> TemplateFunction::Evaluate(const VectorXd& q) co
   design.template_revision = definition.revision;
   design.template_digest = definition.digest;
   design.parameters = NamedValues(definition.parameters, q);
-  for (std::size_t i = 0; i < definition.parts.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(EvaluatedPart part, EvaluatePart(*compiled_, i, q));
-    design.mass += part.mass;
-    design.parts.push_back(std::move(part));
+  design.structure.emplace().choices = ChosenAt(definition.parameters, q);
+  MORTISE_ASSIGN_OR_RETURN(std::vector<PartCopies> copies, PartsAt(*compiled_, q));
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    AddToStructure(definition.parts[i], copies[i], *design.structure);
   }
-  for (std::size_t i = 0; i < definition.connections.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(std::vector<EvaluatedConnector> pegs,
-                             EvaluateConnection(*compiled_, i, design.parts));
-    std::move(pegs.begin(), pegs.end(), std::back_inserter(design.connectors));
-  }
-  for (std::size_t i = 0; i < compiled_->conditions.size(); ++i) {
-    MORTISE_ASSIGN_OR_RETURN(EvaluatedBoundaryCondition condition, compiled_->conditions.At(i, q));
-    design.boundary_conditions.push_back(std::move(condition));
+  MORTISE_RETURN_IF_ERROR(AddConnectors(*compiled_, copies, q, design));
+  MORTISE_RETURN_IF_ERROR(AddConditions(*compiled_, copies, q, design));
+  for (PartCopies& part : copies) {
+    for (EvaluatedPart& copy : part.parts) {
+      design.mass += copy.mass;
+      design.parts.push_back(std::move(copy));
+    }
   }
   MORTISE_ASSIGN_OR_RETURN(design.reference_temperature,
                            compiled_->conditions.ReferenceTemperature(q));
@@ -71,11 +125,11 @@ absl::StatusOr<MassProperties> TemplateFunction::EvaluateMass(const VectorXd& q)
   sum.volume_gradient = VectorXd::Zero(q.size());
   sum.mass_gradient = VectorXd::Zero(q.size());
   for (const CompiledPart& part : compiled_->parts) {
-    MORTISE_ASSIGN_OR_RETURN(const Dual volume, EvaluateVolume(part, q));
-    sum.volume += volume.value;
-    sum.mass += part.density * volume.value;
-    sum.volume_gradient += volume.gradient;
-    sum.mass_gradient += part.density * volume.gradient;
+    MORTISE_ASSIGN_OR_RETURN(const PartMass mass, EvaluateMassOf(part, q));
+    sum.volume += mass.volume.value;
+    sum.mass += mass.density * mass.volume.value;
+    sum.volume_gradient += mass.volume.gradient;
+    sum.mass_gradient += mass.density * mass.volume.gradient;
   }
   return sum;
 }

@@ -8,7 +8,12 @@
 // on it along the longer side of its bounding rectangle (in the axes of the face), centred across:
 // the first and last peg at `end_distance` from the ends, the others evenly between them, no two
 // further apart than `spacing`. Where the first and last would be nearer than two diameters, one
-// peg stands in the middle.
+// peg stands in the middle. With `row_spacing` there are several rows, which stand across the patch
+// by the same rule, the outer ones at `side_distance` from its sides.
+//
+// Parts, connections and conditions that are absent at q are not evaluated: they cost nothing, and
+// nothing about them is a fault. A part that is repeated is evaluated once and moved, unless its
+// body names the number of the copy.
 #pragma once
 
 #include <Eigen/Core>
@@ -58,11 +63,15 @@ class TemplateFunction {
 
   // Returns F(q). INVALID_ARGUMENT naming "parameters[i].value" for a wrong count, a value out
   // of range or not finite, and the template's field where an expression fails, an extent is empty,
-  // an outline is not a counter-clockwise simple polygon, or a connection's parts do not touch.
+  // an outline is not a counter-clockwise simple polygon, a count is no whole number from 1 to
+  // 1000, a connection's parts do not touch, or it or a condition is present where its part is
+  // absent; "parts" or "connections" where a design would have no part, more than 2000 or 10,000
+  // pegs.
   absl::StatusOr<EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // Returns the volume and mass at `q` with exact gradients; fails as Evaluate does for wrong
-  // values and expressions. It does not look at shapes and contacts, and is several times faster.
+  // Returns the volume and mass at `q` with exact gradients, what is present and counted held;
+  // fails as Evaluate does for wrong values and expressions. It does not look at shapes and
+  // contacts, and is several times faster.
   absl::StatusOr<MassProperties> EvaluateMass(const Eigen::VectorXd& q) const;
 
  private:

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/design/template_definition.h"
 #include "common/design/template_validation.h"
 
 namespace mortise::parametric {
@@ -31,6 +32,10 @@ void CheckLink(const std::string& field, const std::string& link,
 // but of the kilogram; "1" for none.
 void CheckUnit(const std::string& field, const std::string& unit,
                std::vector<FieldViolation>& findings);
+
+// Checks the names of a choice's values, and that its numbers are those that follow from them.
+void CheckChoices(const std::string& field, const Parameter& parameter,
+                  std::vector<FieldViolation>& findings);
 
 void CheckPositive(const std::string& field, double value, std::vector<FieldViolation>& findings);
 void CheckNotNegative(const std::string& field, double value,

@@ -71,6 +71,10 @@ void CheckSolidParameters(const std::vector<Parameter>& parameters, std::set<std
     CheckNumberName(field + ".name", parameters[i].name, seen, findings);
     CheckTitle(field + ".title", parameters[i].title, findings);
     CheckDescription(field + ".description", parameters[i].description, findings);
+    if (parameters[i].IsChoice()) {
+      CheckChoices(field, parameters[i], findings);
+      continue;
+    }
     CheckUnit(field + ".unit", parameters[i].unit, findings);
     CheckRange(field, parameters[i], findings);
   }

@@ -1,6 +1,6 @@
-// The structure of a design: what of it is counted rather than measured. Designs of one template
-// with the same structure differ in lengths alone, so that what was said of a part, a face or a
-// vertex of one can be said of the other.
+// The structure of a design: what of it is there, counted or chosen rather than measured. Designs
+// of one template with the same structure differ in lengths alone, so that what was said of a part,
+// a face or a vertex of one can be said of the other.
 #pragma once
 
 #include <string>
@@ -16,10 +16,31 @@ struct StructureCount {
   friend bool operator==(const StructureCount&, const StructureCount&) = default;
 };
 
-// The counts have the order of the template, whatever its parameters are; there are none where
-// nothing of it is counted. Structures of different templates say nothing of each other.
+// Says what a choice is.
+struct StructureChoice {
+  std::string parameter;
+  std::string value;  // name of it
+
+  friend bool operator==(const StructureChoice&, const StructureChoice&) = default;
+};
+
+// Says what a part is made of that can be of several items.
+struct StructureItem {
+  std::string part;  // of the template
+  std::string item;  // items/{id}
+
+  friend bool operator==(const StructureItem&, const StructureItem&) = default;
+};
+
+// Lists have the order of the template, whatever its parameters are. There are no counts where
+// nothing of it is counted, and so on. Structures of different templates say nothing of each other.
 struct Structure {
   std::vector<StructureCount> counts;
+  std::vector<StructureChoice> choices = {};
+  std::vector<std::string> absent_parts = {};
+  std::vector<std::string> absent_conditions = {};  // boundary conditions
+  std::vector<std::string> absent_features = {};    // of a list of features
+  std::vector<StructureItem> items = {};            // of parts that are there
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };
@@ -28,8 +49,8 @@ struct Structure {
 // the same structure on any machine.
 std::string KeyOf(const Structure& structure);
 
-// Says the structure for people: "shelf 1: 6, screw left 1: 2 × 6"; "always the same" where nothing
-// is counted.
+// Says the structure for people: "armrests = none, without arm, shelf 1: 6, screw left 1: 2 × 6";
+// "always the same" where nothing differs.
 std::string Describe(const Structure& structure);
 
 }  // namespace mortise::parametric

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
@@ -11,6 +13,7 @@
 #include "common/design/compiled_template.h"
 #include "common/design/condition_expressions.h"
 #include "common/design/field_checks.h"
+#include "common/design/parameter_values.h"
 #include "common/expressions/expression.h"
 #include "common/expressions/identifier.h"
 
@@ -22,6 +25,10 @@ constexpr std::size_t kMaxParts = 500;
 constexpr std::size_t kMaxOutlinePoints = 200;
 constexpr std::size_t kMaxConnections = 2000;
 constexpr std::size_t kMaxBoundaryConditions = 500;
+constexpr std::size_t kMaxItems = 100;     // of which one is taken
+constexpr std::size_t kMaxDirections = 2;  // that a part is repeated in
+
+using Names = std::vector<ExpressionName>;
 
 // Collects findings about one template.
 class Checker {
@@ -29,7 +36,7 @@ class Checker {
   explicit Checker(const TemplateBundle& bundle)
       : bundle_(bundle),
         definition_(bundle.definition),
-        parameter_names_(ParameterNames(bundle.definition)) {}
+        names_(ExpressionNames(bundle.definition.parameters)) {}
 
   std::vector<FieldViolation> Run() {
     CheckCount("parameters", definition_.parameters.size(), 1, kMaxParameters);
@@ -80,16 +87,27 @@ class Checker {
     }
   }
 
-  void CheckExpression(const std::string& field, const std::string& text) {
-    const auto parsed = Expression::Parse(text, parameter_names_);
-    if (!parsed.ok()) {
-      Report(field, absl::StrCat("'", text.substr(0, 80), "': ", parsed.status().message()));
-    }
+  void CheckParsed(const std::string& field, const std::string& text,
+                   const absl::StatusOr<Expression>& parsed) {
+    if (parsed.ok()) return;
+    Report(field, absl::StrCat("'", text.substr(0, 80), "': ", parsed.status().message()));
   }
 
-  void CheckExtent(const std::string& field, const Extent& extent) {
-    CheckExpression(absl::StrCat(field, ".from"), extent.from);
-    CheckExpression(absl::StrCat(field, ".to"), extent.to);
+  void CheckExpression(const std::string& field, const std::string& text, const Names& names) {
+    CheckParsed(field, text, Expression::Parse(text, names));
+  }
+
+  void CheckCondition(const std::string& field, const std::string& text) {
+    CheckParsed(field, text, Expression::ParseCondition(text, names_));
+  }
+
+  void CheckPresent(const std::string& owner, const std::string& text) {
+    if (!text.empty()) CheckCondition(owner + ".present", text);
+  }
+
+  void CheckExtent(const std::string& field, const Extent& extent, const Names& names) {
+    CheckExpression(absl::StrCat(field, ".from"), extent.from, names);
+    CheckExpression(absl::StrCat(field, ".to"), extent.to, names);
   }
 
   void CheckParameters() {
@@ -104,6 +122,10 @@ class Checker {
       }
       CheckTitle(absl::StrCat(field, ".title"), parameter.title, findings_);
       CheckDescription(absl::StrCat(field, ".description"), parameter.description, findings_);
+      if (parameter.IsChoice()) {
+        CheckChoices(field, parameter, findings_);
+        continue;
+      }
       CheckUnit(absl::StrCat(field, ".unit"), parameter.unit, findings_);
       CheckRange(field, parameter);
     }
@@ -147,42 +169,47 @@ class Checker {
       const std::string field = absl::StrCat("parts[", i, "]");
       CheckName(absl::StrCat(field, ".name"), part.name, seen);
       CheckTitle(absl::StrCat(field, ".title"), part.title, findings_);
-      CheckPartItem(field, part);
+      CheckPresent(field, part.present);
+      CheckPartItem(field + ".item", part.item, part, field);
+      CheckItems(field, part.items);
+      for (std::size_t k = 0; k < part.items.size(); ++k) {
+        CheckPartItem(absl::StrCat(field, ".items[", k, "].item"), part.items[k].item, part, field);
+      }
+      CheckRepeat(field, part);
+      const Names names = BodyNames(part, names_);
       if (part.length_axis == part.thickness_axis) {
         Report(absl::StrCat(field, ".thickness_axis"), "is the same as length_axis");
       }
       if (const Box* box = std::get_if<Box>(&part.body)) {
-        CheckExtent(absl::StrCat(field, ".box.x"), box->x);
-        CheckExtent(absl::StrCat(field, ".box.y"), box->y);
-        CheckExtent(absl::StrCat(field, ".box.z"), box->z);
+        CheckExtent(absl::StrCat(field, ".box.x"), box->x, names);
+        CheckExtent(absl::StrCat(field, ".box.y"), box->y, names);
+        CheckExtent(absl::StrCat(field, ".box.z"), box->z, names);
       } else {
-        CheckPrism(absl::StrCat(field, ".prism"), std::get<Prism>(part.body), part);
+        CheckPrism(absl::StrCat(field, ".prism"), std::get<Prism>(part.body), part, names);
       }
     }
   }
 
-  void CheckPartItem(const std::string& field, const PartTemplate& part) {
-    const Item* item = FindItem(bundle_.items, part.item);
+  // `field` is that of the item, `owner` that of the part.
+  void CheckPartItem(const std::string& field, const std::string& name, const PartTemplate& part,
+                     const std::string& owner) {
+    const Item* item = FindItem(bundle_.items, name);
     if (item == nullptr) {
-      Report(absl::StrCat(field, ".item"), absl::StrCat("there is no item '", part.item, "'"));
+      Report(field, absl::StrCat("there is no item '", name, "'"));
       return;
     }
     if (FindMaterial(bundle_.materials, item->material) == nullptr) {
-      Report(absl::StrCat(field, ".item"),
-             absl::StrCat("its material '", item->material, "' does not exist"));
+      Report(field, absl::StrCat("its material '", item->material, "' does not exist"));
     }
     if (item->kind == ItemKind::kDowel || item->kind == ItemKind::kScrew) {
-      Report(absl::StrCat(field, ".item"), absl::StrCat("'", part.item,
-                                                        "' joins parts; it cannot "
-                                                        "be one"));
+      Report(field, absl::StrCat("'", name, "' joins parts; it cannot be one"));
     }
     if (std::holds_alternative<Prism>(part.body) && item->kind != ItemKind::kSheet &&
         !IsCrosscut(*item)) {
-      Report(
-          absl::StrCat(field, ".prism"),
-          absl::StrCat("'", part.item,
-                       "' is neither a sheet, so that an outline could be cut from it, nor lumber "
-                       "that is crosscut"));
+      Report(absl::StrCat(owner, ".prism"),
+             absl::StrCat("'", name,
+                          "' is neither a sheet, so that an outline could be cut from it, nor "
+                          "lumber that is crosscut"));
     }
   }
 
@@ -191,8 +218,47 @@ class Checker {
     return item.kind == ItemKind::kBoard && item.dimensions[0].process == Process::kChopSaw;
   }
 
-  void CheckPrism(const std::string& field, const Prism& prism, const PartTemplate& part) {
-    const Item* item = FindItem(bundle_.items, part.item);
+  // The conditions of alternative items; the items are for the caller.
+  void CheckItems(const std::string& owner, const std::vector<ConditionalItem>& items) {
+    if (items.size() > kMaxItems) CheckCount(owner + ".items", items.size(), 0, kMaxItems);
+    for (std::size_t i = 0; i < std::min(items.size(), kMaxItems); ++i) {
+      CheckCondition(absl::StrCat(owner, ".items[", i, "].when"), items[i].when);
+    }
+  }
+
+  void CheckRepeat(const std::string& owner, const PartTemplate& part) {
+    if (part.repeat.size() > kMaxDirections) {
+      CheckCount(owner + ".repeat", part.repeat.size(), 0, kMaxDirections);
+    }
+    std::set<std::string> indices;
+    for (std::size_t i = 0; i < part.repeat.size(); ++i) {
+      const PartRepeat& repeat = part.repeat[i];
+      const std::string field = absl::StrCat(owner, ".repeat[", i, "]");
+      CheckExpression(field + ".count", repeat.count, names_);
+      for (const auto& [axis, step] :
+           {std::pair(".x", &repeat.x), std::pair(".y", &repeat.y), std::pair(".z", &repeat.z)}) {
+        if (!step->empty()) CheckExpression(field + axis, *step, names_);
+      }
+      if (!repeat.index.empty()) CheckIndex(field + ".index", repeat.index, indices);
+    }
+  }
+
+  void CheckIndex(const std::string& field, const std::string& index,
+                  std::set<std::string>& indices) {
+    CheckName(field, index, indices);
+    const bool is_taken =
+        std::any_of(names_.begin(), names_.end(),
+                    [&](const ExpressionName& parameter) { return parameter.name == index; });
+    if (is_taken) Report(field, absl::StrCat("'", index, "' is a parameter"));
+    if (IsReserved(index)) {
+      Report(field, absl::StrCat("'", index, "' is a word of the expression language"));
+    }
+  }
+
+  void CheckPrism(const std::string& field, const Prism& prism, const PartTemplate& part,
+                  const Names& names) {
+    const Item* item =
+        FindItem(bundle_.items, part.items.empty() ? part.item : part.items.front().item);
     if (item != nullptr && IsCrosscut(*item)) {
       if (prism.axis == part.length_axis) {
         Report(absl::StrCat(field, ".axis"),
@@ -207,31 +273,52 @@ class Checker {
       return;
     }
     for (std::size_t i = 0; i < prism.outline.size(); ++i) {
-      CheckExpression(absl::StrCat(field, ".outline[", i, "].u"), prism.outline[i].u);
-      CheckExpression(absl::StrCat(field, ".outline[", i, "].v"), prism.outline[i].v);
+      CheckExpression(absl::StrCat(field, ".outline[", i, "].u"), prism.outline[i].u, names);
+      CheckExpression(absl::StrCat(field, ".outline[", i, "].v"), prism.outline[i].v, names);
     }
-    CheckExtent(absl::StrCat(field, ".extent"), prism.extent);
+    CheckExtent(absl::StrCat(field, ".extent"), prism.extent, names);
   }
 
-  // The part of this name; reports it missing.
+  // The part of this name, or of whose copy it is the name; reports it missing. How many copies
+  // there are is known at parameters only.
   const PartTemplate* CheckPartReference(const std::string& field, const std::string& name) {
-    const auto found =
-        std::find_if(definition_.parts.begin(), definition_.parts.end(),
-                     [&name](const PartTemplate& part) { return part.name == name; });
-    if (found != definition_.parts.end()) return &*found;
-    Report(field, absl::StrCat("there is no part '", name, "'"));
-    return nullptr;
+    const std::optional<CopyReference> reference = ReadCopyName(name);
+    const auto found = std::find_if(definition_.parts.begin(), definition_.parts.end(),
+                                    [&](const PartTemplate& part) {
+                                      return part.name == (reference ? reference->part : name);
+                                    });
+    if (found == definition_.parts.end() || !reference) {
+      Report(field, absl::StrCat("there is no part '", name, "'"));
+      return nullptr;
+    }
+    if (!reference->numbers.empty() && reference->numbers.size() != found->repeat.size()) {
+      Report(field,
+             absl::StrCat("there is no copy '", name, "': '", found->name, "' is ",
+                          found->repeat.empty()       ? "not repeated"
+                          : found->repeat.size() == 1 ? "a row, its copies have one number"
+                                                      : "a grid, its copies have two numbers"));
+      return nullptr;
+    }
+    return &*found;
   }
 
-  void CheckFaceReference(const std::string& field, const std::string& part_name,
-                          const std::string& face) {
+  // Whether a name is that of a part with all of its copies.
+  bool MeansCopies(const std::string& name) const {
+    return std::any_of(
+        definition_.parts.begin(), definition_.parts.end(),
+        [&](const PartTemplate& part) { return part.name == name && !part.repeat.empty(); });
+  }
+
+  const PartTemplate* CheckFaceReference(const std::string& field, const std::string& part_name,
+                                         const std::string& face) {
     const PartTemplate* part = CheckPartReference(absl::StrCat(field, ".part"), part_name);
-    if (part == nullptr) return;
+    if (part == nullptr) return nullptr;
     const std::vector<std::string> faces = FaceNames(*part);
     if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
       Report(absl::StrCat(field, ".face"),
              absl::StrCat("part '", part_name, "' has no face '", face, "'"));
     }
+    return part;
   }
 
   void CheckConnections() {
@@ -242,22 +329,58 @@ class Checker {
       CheckName(absl::StrCat(field, ".name"), connection.name, seen);
       CheckFaceReference(field, connection.part, connection.face);
       CheckPartReference(absl::StrCat(field, ".other_part"), connection.other_part);
-      if (connection.part == connection.other_part) {
-        Report(absl::StrCat(field, ".other_part"), "a part cannot be joined to itself");
-      }
+      CheckPresent(field, connection.present);
+      CheckPairing(field, connection);
       CheckPegs(field, connection);
     }
   }
 
-  void CheckPegs(const std::string& field, const Connection& connection) {
-    const Item* item = FindItem(bundle_.items, connection.item);
+  void CheckPairing(const std::string& field, const Connection& connection) {
+    const bool many = MeansCopies(connection.part);
+    const bool many_others = MeansCopies(connection.other_part);
+    if (connection.part == connection.other_part &&
+        !(many && connection.pairing == Pairing::kTouching)) {
+      Report(absl::StrCat(field, ".other_part"),
+             many ? "copies of a part are joined to each other with the pairing TOUCHING"
+                  : "a part cannot be joined to itself");
+    }
+    if (connection.pairing == Pairing::kByNumber && !(many && many_others)) {
+      Report(absl::StrCat(field, ".pairing"),
+             "BY_NUMBER is for two parts that are both repeated; leave it out");
+    }
+  }
+
+  void CheckPeg(const std::string& field, const std::string& name, const std::string& owner,
+                const Connection& connection) {
+    const Item* item = FindItem(bundle_.items, name);
     if (item == nullptr) {
-      Report(absl::StrCat(field, ".item"),
-             absl::StrCat("there is no item '", connection.item, "'"));
-    } else if (item->kind != ItemKind::kDowel) {
-      Report(absl::StrCat(field, ".item"), absl::StrCat("'", connection.item, "' is no dowel"));
-    } else if (!(connection.spacing >= 2 * item->dimensions[1].size)) {
-      Report(absl::StrCat(field, ".spacing"), "must be at least twice the diameter of the peg");
+      Report(field, absl::StrCat("there is no item '", name, "'"));
+      return;
+    }
+    if (item->kind != ItemKind::kDowel) {
+      Report(field, absl::StrCat("'", name, "' is no dowel"));
+      return;
+    }
+    const double least = 2 * item->dimensions[1].size;
+    constexpr char kTooNear[] = "must be at least twice the diameter of the peg";
+    if (!(connection.spacing >= least)) Report(absl::StrCat(owner, ".spacing"), kTooNear);
+    if (connection.row_spacing > 0 && connection.row_spacing < least) {
+      Report(absl::StrCat(owner, ".row_spacing"), kTooNear);
+    }
+  }
+
+  void CheckPegs(const std::string& field, const Connection& connection) {
+    CheckPeg(absl::StrCat(field, ".item"), connection.item, field, connection);
+    CheckItems(field, connection.items);
+    for (std::size_t k = 0; k < connection.items.size(); ++k) {
+      CheckPeg(absl::StrCat(field, ".items[", k, "].item"), connection.items[k].item, field,
+               connection);
+    }
+    CheckNotNegative(absl::StrCat(field, ".row_spacing"), connection.row_spacing, findings_);
+    CheckNotNegative(absl::StrCat(field, ".side_distance"), connection.side_distance, findings_);
+    if (connection.side_distance > 0 && connection.row_spacing == 0) {
+      Report(absl::StrCat(field, ".side_distance"),
+             "is that of several rows: give their row_spacing");
     }
     if (!std::isfinite(connection.spacing)) {
       Report(absl::StrCat(field, ".spacing"), "is not a finite number");
@@ -280,13 +403,13 @@ class Checker {
         CheckFaceReference(field, condition.part, condition.face);
       }
     }
-    ConditionExpressions(definition_.boundary_conditions, definition_.reference_temperature,
-                         parameter_names_, findings_);
+    ConditionExpressions(definition_.boundary_conditions, definition_.reference_temperature, names_,
+                         findings_);
   }
 
   const TemplateBundle& bundle_;
   const TemplateDefinition& definition_;
-  const std::vector<std::string> parameter_names_;
+  const Names names_;
   std::vector<FieldViolation> findings_;
 };
 

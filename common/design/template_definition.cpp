@@ -2,7 +2,10 @@
 #include "common/design/template_definition.h"
 
 #include <algorithm>
+#include <charconv>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/design/evaluated_design.h"
 
 namespace mortise::parametric {
@@ -27,6 +30,31 @@ const char* AxisName(Axis axis) {
       break;
   }
   return "z";
+}
+
+std::string CopyName(std::string_view part, std::span<const int> numbers) {
+  std::string name(part);
+  if (!numbers.empty()) absl::StrAppend(&name, " ", absl::StrJoin(numbers, "."));
+  return name;
+}
+
+std::optional<CopyReference> ReadCopyName(std::string_view name) {
+  const std::size_t blank = name.find(' ');
+  CopyReference reference{std::string(name.substr(0, blank)), {}};
+  if (blank == std::string_view::npos) return reference;
+  const char* at = name.data() + blank;
+  const char* const end = name.data() + name.size();
+  while (at != end) {
+    int number = 0;
+    const bool separates = *at == (reference.numbers.empty() ? ' ' : '.');
+    const auto [rest, error] = std::from_chars(at + 1, end, number);
+    // Written as CopyName does, without signs and zeros before the number.
+    const bool is_number = error == std::errc() && number >= 1 && number <= 1000;
+    if (!separates || !is_number || at[1] == '0') return {};
+    reference.numbers.push_back(number);
+    at = rest;
+  }
+  return reference;
 }
 
 const Item* FindItem(const std::vector<Item>& items, const std::string& name) {

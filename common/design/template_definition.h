@@ -6,7 +6,9 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -141,6 +143,10 @@ struct Parameter {
   double maximum = 0;
   double default_value = 0;
   double step = 0;  // 0 for none
+  std::vector<std::string> choices =
+      {};  // names of the values 0, 1 … of a choice, which have no order
+
+  bool IsChoice() const { return !choices.empty(); }
 };
 
 // An interval along an axis, m, as expressions.
@@ -168,6 +174,19 @@ struct Prism {
   Extent extent;
 };
 
+// Copies of a part along a direction.
+struct PartRepeat {
+  std::string count;       // expression, of the part in all
+  std::string x, y, z;     // expressions, m, from one copy to the next; 0 where empty
+  std::string index = {};  // name of the copy's number in the part's body; empty where not needed
+};
+
+// An item that is taken where a condition holds.
+struct ConditionalItem {
+  std::string when;  // expression, a condition
+  std::string item;  // items/{id}
+};
+
 struct PartTemplate {
   std::string name;
   std::string title;
@@ -175,9 +194,20 @@ struct PartTemplate {
   Axis length_axis = Axis::kX;     // design axis along which the item's X lies
   Axis thickness_axis = Axis::kZ;  // design axis along which the item's Z lies
   std::variant<Box, Prism> body;
+  std::string present = {};                 // expression, a condition; always if empty
+  std::vector<PartRepeat> repeat = {};      // at most two directions
+  std::vector<ConditionalItem> items = {};  // instead of `item`, the first of which holds
 };
 
-// A row of pegs where `face` of `part` touches `other_part`.
+// Which copies are joined where parts are repeated.
+enum class Pairing {
+  kUnspecified = 0,  // each copy with the other part; as kByNumber where both are repeated
+  kByNumber = 1,
+  kTouching = 2,
+};
+
+// Rows of pegs where `face` of `part` touches `other_part`. A part that is repeated is meant with
+// all of its copies, or with one that is named: "slat 1".
 struct Connection {
   std::string name;
   std::string part;
@@ -188,6 +218,11 @@ struct Connection {
   double end_distance = 0;   // m, from the ends of the patch to the first and last peg
   double spacing = 0;        // m, largest distance between neighbours
   double depth_in_part = 0;  // fraction of the peg's length in `part`
+  std::string present = {};  // expression, a condition; always if empty
+  Pairing pairing = Pairing::kUnspecified;
+  std::vector<ConditionalItem> items = {};  // instead of `item`, the first of which holds
+  double row_spacing = 0;    // m, largest distance between neighbouring rows; 0 for one row
+  double side_distance = 0;  // m, from the sides of the patch to the outer rows; 0: end_distance
 };
 
 enum class BoundaryConditionKind {
@@ -210,6 +245,7 @@ struct BoundaryCondition {
   std::string face;                     // likewise
   std::vector<std::string> components;  // expressions, as many as the kind has
   std::string load_case;                // of a load; empty where it acts in every one
+  std::string present = {};             // expression, a condition; always if empty
 };
 
 struct TemplateDefinition {
@@ -231,6 +267,21 @@ struct TemplateBundle {
   std::vector<Item> items;
   std::vector<Material> materials;
 };
+
+// What the copies of a repeated part are called: "slat 1", "slat 2" …, in a grid "slat 1.1", "slat
+// 1.2" ….
+// Returns the name of a copy from its numbers, counted from 1, along each direction; that of the
+// part where there are none.
+std::string CopyName(std::string_view part, std::span<const int> numbers);
+
+// A part of a template, or one of its copies.
+struct CopyReference {
+  std::string part;
+  std::vector<int> numbers;  // from 1, along each direction; none for the part
+};
+
+// Reads a name; nothing if what follows a blank is no numbers from 1 to 1000 such as "3" or "2.7".
+std::optional<CopyReference> ReadCopyName(std::string_view name);
 
 // Returns the item or material of this resource name; null if it is not there.
 const Item* FindItem(const std::vector<Item>& items, const std::string& name);

@@ -267,8 +267,12 @@ absl::StatusOr<TemplateBundle> BundleOf(const Collection& collection, const std:
 TemplateBundle MakeBundle(TemplateDefinition definition, const std::vector<Item>& items,
                           const std::vector<Material>& materials) {
   std::set<std::string> item_names, material_names;
-  for (const PartTemplate& part : definition.parts) item_names.insert(part.item);
-  for (const Connection& connection : definition.connections) item_names.insert(connection.item);
+  const auto add = [&item_names](const auto& owner) {
+    item_names.insert(owner.item);
+    for (const ConditionalItem& item : owner.items) item_names.insert(item.item);
+  };
+  std::for_each(definition.parts.begin(), definition.parts.end(), add);
+  std::for_each(definition.connections.begin(), definition.connections.end(), add);
   TemplateBundle bundle;
   for (const std::string& name : item_names) {
     const Item* item = FindItem(items, name);

@@ -226,6 +226,16 @@ absl::StatusOr<Structure> StructureOf(const v1::Structure& message) {
     }
     structure.counts.push_back({count.name(), {numbers.begin(), numbers.end()}});
   }
+  for (const v1::Structure::Choice& choice : message.choices()) {
+    structure.choices.push_back({choice.parameter(), choice.value()});
+  }
+  structure.absent_parts = {message.absent_parts().begin(), message.absent_parts().end()};
+  structure.absent_conditions = {message.absent_conditions().begin(),
+                                 message.absent_conditions().end()};
+  structure.absent_features = {message.absent_features().begin(), message.absent_features().end()};
+  for (const v1::Structure::PartItem& item : message.items()) {
+    structure.items.push_back({item.part(), item.item()});
+  }
   return structure;
 }
 
@@ -237,6 +247,19 @@ v1::Structure ToProto(const Structure& structure) {
     v1::Structure::Count* told = message.add_counts();
     told->set_name(count.name);
     told->mutable_numbers()->Add(count.numbers.begin(), count.numbers.end());
+  }
+  for (const StructureChoice& choice : structure.choices) {
+    v1::Structure::Choice* told = message.add_choices();
+    told->set_parameter(choice.parameter);
+    told->set_value(choice.value);
+  }
+  for (const std::string& part : structure.absent_parts) message.add_absent_parts(part);
+  for (const std::string& name : structure.absent_conditions) message.add_absent_conditions(name);
+  for (const std::string& name : structure.absent_features) message.add_absent_features(name);
+  for (const StructureItem& item : structure.items) {
+    v1::Structure::PartItem* told = message.add_items();
+    told->set_part(item.part);
+    told->set_item(item.item);
   }
   message.set_key(KeyOf(structure));
   message.set_description(Describe(structure));
@@ -252,6 +275,7 @@ v1::EvaluatedDesign ToProto(const EvaluatedDesign& design) {
     v1::ParameterValue* parameter = message.add_parameters();
     parameter->set_name(value.name);
     parameter->set_value(value.value);
+    parameter->set_choice(value.choice);
   }
   for (const EvaluatedPart& part : design.parts) SetPart(part, message.add_parts());
   for (const EvaluatedConnector& peg : design.connectors) {

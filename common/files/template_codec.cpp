@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/parameter_values.h"
 #include "common/files/axis_codec.h"
 #include "common/files/template_reader.h"
 #include "common/messages/message_digest.h"
@@ -10,8 +11,17 @@
 namespace mortise::parametric {
 
 Parameter FromProto(const v1::Parameter& message) {
-  return {message.name(),    message.title(),   message.description(),   message.unit(),
-          message.minimum(), message.maximum(), message.default_value(), message.step()};
+  Parameter parameter = {.name = message.name(),
+                         .title = message.title(),
+                         .description = message.description(),
+                         .unit = message.unit(),
+                         .minimum = message.minimum(),
+                         .maximum = message.maximum(),
+                         .default_value = message.default_value(),
+                         .step = message.step(),
+                         .choices = {message.choices().begin(), message.choices().end()}};
+  FillChoice(parameter);
+  return parameter;
 }
 
 v1::Parameter ToProto(const Parameter& parameter) {
@@ -24,6 +34,7 @@ v1::Parameter ToProto(const Parameter& parameter) {
   message.set_maximum(parameter.maximum);
   message.set_default_value(parameter.default_value);
   message.set_step(parameter.step);
+  for (const std::string& choice : parameter.choices) message.add_choices(choice);
   return message;
 }
 
@@ -34,8 +45,24 @@ void SetProto(const Extent& extent, v1::Extent* message) {
   message->set_to(extent.to);
 }
 
+void SetProto(const ConditionalItem& item, v1::ConditionalItem* message) {
+  message->set_when(item.when);
+  message->set_item(item.item);
+}
+
+void SetProto(const PartRepeat& repeat, v1::PartRepeat* message) {
+  message->set_count(repeat.count);
+  message->set_x(repeat.x);
+  message->set_y(repeat.y);
+  message->set_z(repeat.z);
+  message->set_index(repeat.index);
+}
+
 v1::PartTemplate ToProto(const PartTemplate& part) {
   v1::PartTemplate message;
+  message.set_present(part.present);
+  for (const PartRepeat& repeat : part.repeat) SetProto(repeat, message.add_repeat());
+  for (const ConditionalItem& item : part.items) SetProto(item, message.add_items());
   message.set_name(part.name);
   message.set_title(part.title);
   message.set_item(part.item);
@@ -69,6 +96,11 @@ v1::Connection ToProto(const Connection& connection) {
   message.set_end_distance(connection.end_distance);
   message.set_spacing(connection.spacing);
   message.set_depth_in_part(connection.depth_in_part);
+  message.set_present(connection.present);
+  message.set_pairing(static_cast<v1::Connection::Pairing>(connection.pairing));
+  for (const ConditionalItem& item : connection.items) SetProto(item, message.add_items());
+  message.set_row_spacing(connection.row_spacing);
+  message.set_side_distance(connection.side_distance);
   return message;
 }
 
@@ -97,6 +129,7 @@ absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message
   condition.face = message.face();
   condition.components = {message.components().begin(), message.components().end()};
   condition.load_case = message.load_case();
+  condition.present = message.present();
   return condition;
 }
 
@@ -110,6 +143,7 @@ v1::BoundaryCondition ToProto(const BoundaryCondition& condition) {
   message.set_face(condition.face);
   for (const std::string& component : condition.components) message.add_components(component);
   message.set_load_case(condition.load_case);
+  message.set_present(condition.present);
   return message;
 }
 
@@ -119,7 +153,7 @@ std::vector<NamedValue> FromProto(
     const google::protobuf::RepeatedPtrField<v1::ParameterValue>& messages) {
   std::vector<NamedValue> values;
   for (const v1::ParameterValue& message : messages) {
-    values.push_back({message.name(), message.value()});
+    values.push_back({message.name(), message.value(), message.choice()});
   }
   return values;
 }

@@ -21,6 +21,7 @@ absl::StatusOr<Material> FromProto(const v1::Material& message);
 absl::StatusOr<Item> FromProto(const v1::Item& message);
 // Returns what can be read of an item, and findings about the rest, which is as a new one's.
 Item ReadItem(const v1::Item& message, std::vector<FieldViolation>& findings);
+// What a choice leaves out is filled in (FillChoice).
 Parameter FromProto(const v1::Parameter& message);
 // Returns a condition of any kind; `field` is the path of the message.
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,

@@ -57,6 +57,15 @@ decltype(PartTemplate::body) ReadBody(const v1::PartTemplate& message, const std
   return Box{};
 }
 
+std::vector<ConditionalItem> ReadItems(
+    const google::protobuf::RepeatedPtrField<v1::ConditionalItem>& messages) {
+  std::vector<ConditionalItem> items;
+  for (const v1::ConditionalItem& message : messages) {
+    items.push_back({message.when(), message.item()});
+  }
+  return items;
+}
+
 PartTemplate ReadPart(const v1::PartTemplate& message, const std::string& field,
                       Findings& findings) {
   PartTemplate part;
@@ -68,13 +77,29 @@ PartTemplate ReadPart(const v1::PartTemplate& message, const std::string& field,
   part.thickness_axis = ValueOr(AxisFromProto(message.thickness_axis(), field + ".thickness_axis"),
                                 Axis::kZ, findings);
   part.body = ReadBody(message, field, findings);
+  part.present = message.present();
+  for (const v1::PartRepeat& repeat : message.repeat()) {
+    part.repeat.push_back({repeat.count(), repeat.x(), repeat.y(), repeat.z(), repeat.index()});
+  }
+  part.items = ReadItems(message.items());
   return part;
 }
 
-Connection ReadConnection(const v1::Connection& message) {
-  return {message.name(),         message.part(),    message.face(),
-          message.other_part(),   message.item(),    message.priority(),
-          message.end_distance(), message.spacing(), message.depth_in_part()};
+Connection ReadConnection(const v1::Connection& message, const std::string& field,
+                          Findings& findings) {
+  Connection connection = {message.name(),         message.part(),    message.face(),
+                           message.other_part(),   message.item(),    message.priority(),
+                           message.end_distance(), message.spacing(), message.depth_in_part()};
+  connection.present = message.present();
+  if (v1::Connection::Pairing_IsValid(message.pairing())) {
+    connection.pairing = static_cast<Pairing>(message.pairing());
+  } else {
+    findings.push_back({field + ".pairing", "must be BY_NUMBER or TOUCHING, or left out"});
+  }
+  connection.items = ReadItems(message.items());
+  connection.row_spacing = message.row_spacing();
+  connection.side_distance = message.side_distance();
+  return connection;
 }
 
 BoundaryCondition ReadCondition(const v1::BoundaryCondition& message, const std::string& field,
@@ -83,6 +108,7 @@ BoundaryCondition ReadCondition(const v1::BoundaryCondition& message, const std:
   // Beside which everything may be.
   unread.kind = BoundaryConditionKind::kTemperature;
   unread.name = message.name();
+  unread.present = message.present();
   unread.part = message.part();
   unread.face = message.face();
   return ValueOr(FromProto(message, field), std::move(unread), findings);
@@ -153,8 +179,9 @@ TemplateDefinition ReadTemplate(const v1::Template& message,
     definition.parts.push_back(
         ReadPart(message.parts(i), absl::StrCat("parts[", i, "]"), findings));
   }
-  for (const v1::Connection& connection : message.connections()) {
-    definition.connections.push_back(ReadConnection(connection));
+  for (int i = 0; i < message.connections_size(); ++i) {
+    definition.connections.push_back(
+        ReadConnection(message.connections(i), absl::StrCat("connections[", i, "]"), findings));
   }
   for (int i = 0; i < message.boundary_conditions_size(); ++i) {
     definition.boundary_conditions.push_back(ReadCondition(

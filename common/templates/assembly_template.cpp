@@ -14,6 +14,7 @@
 #include "common/cad/stretch/solid_shape.h"
 #include "common/design/condition_expressions.h"
 #include "common/design/field_checks.h"
+#include "common/design/parameter_values.h"
 #include "common/design/part_shapes.h"
 #include "common/design/template_validation.h"
 #include "common/expressions/identifier.h"
@@ -137,7 +138,7 @@ void CheckPlaces(const parametric::EvaluatedDesign& drawn,
 // The conditions, if there are not too many of them to be looked at.
 ConditionExpressions ConditionsOf(const parametric::EvaluatedDesign& drawn,
                                   const AssemblyTemplate& definition,
-                                  const std::vector<std::string>& parameters,
+                                  const std::vector<parametric::ExpressionName>& parameters,
                                   std::vector<FieldViolation>& findings) {
   if (definition.boundary_conditions.size() > kMaxConditions) {
     findings.push_back({"boundary_conditions", absl::StrCat("are more than ", kMaxConditions)});
@@ -179,8 +180,9 @@ class HandledAssembly final : public Template {
   absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
     MORTISE_ASSIGN_OR_RETURN(const parametric::Adjustment adjusted, AdjustedTo(q));
     parametric::EvaluatedDesign conditioned;  // whose conditions may not be computed at q
+    conditioned.structure = parametric::StructureAt(*assembly_, adjusted.q);
     MORTISE_RETURN_IF_ERROR(AddConditions(q, conditioned));
-    return parametric::StructureAt(*assembly_, adjusted.q);
+    return *std::move(conditioned.structure);
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {
@@ -213,6 +215,11 @@ class HandledAssembly final : public Template {
 
   absl::Status AddConditions(const Eigen::VectorXd& q, parametric::EvaluatedDesign& design) const {
     for (std::size_t i = 0; i < conditions_.size(); ++i) {
+      MORTISE_ASSIGN_OR_RETURN(const bool is_present, conditions_.IsPresent(i, q));
+      if (!is_present) {
+        design.structure->absent_conditions.push_back(conditions_.NameOf(i));
+        continue;
+      }
       MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedBoundaryCondition condition,
                                conditions_.At(i, q));
       design.boundary_conditions.push_back(std::move(condition));
@@ -281,8 +288,8 @@ absl::StatusOr<std::shared_ptr<const Template>> MakeAssemblyTemplate(
     AssemblyTemplate definition) {
   std::vector<FieldViolation> findings;
   head.parameters = ParametersOf(*assembly, definition.handles, findings);
-  std::vector<std::string> names;
-  for (const Parameter& parameter : head.parameters) names.push_back(parameter.name);
+  const std::vector<parametric::ExpressionName> names =
+      parametric::ExpressionNames(head.parameters);
   const parametric::EvaluatedDesign drawn =
       parametric::DesignAt(*assembly, assembly->drawn(), head.items, head.materials);
   ConditionExpressions conditions = ConditionsOf(drawn, definition, names, findings);

@@ -43,13 +43,16 @@ class CagedMesh final : public Template {
     parametric::EvaluatedDesign design =
         DesignOf(identity_, std::move(shape), made.conditions, volume.value);
     design.reference_temperature = made.reference_temperature;
+    design.structure.emplace().absent_conditions = std::move(made.absent_conditions);
     return design;
   }
 
   // Nothing is counted, but there may be no design at q.
   absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const override {
-    MORTISE_RETURN_IF_ERROR(model_.Evaluate(q).status());
-    return parametric::Structure();
+    MORTISE_ASSIGN_OR_RETURN(parametric::CageDesign made, model_.Evaluate(q));
+    parametric::Structure structure;
+    structure.absent_conditions = std::move(made.absent_conditions);
+    return structure;
   }
 
   absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const override {

@@ -1,5 +1,6 @@
 #include "common/templates/feature_template.h"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -20,6 +21,13 @@ class FeatureTemplate final : public Template {
       : Template(std::move(head)), model_(std::move(model)), identity_(std::move(identity)) {}
 
   bool MeshesAnew() const override { return true; }
+
+  bool MayLeaveOut() const override {
+    const std::vector<cad::Feature>& features = model_.definition().features;
+    return Template::MayLeaveOut() ||
+           std::any_of(features.begin(), features.end(),
+                       [](const cad::Feature& feature) { return !feature.present.empty(); });
+  }
 
  protected:
   absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const override {

@@ -1,5 +1,6 @@
 #include "common/templates/template.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/errors.h"
@@ -16,12 +17,20 @@ absl::StatusOr<parametric::EvaluatedDesign> Template::Evaluate(const Eigen::Vect
   design.template_digest = head_.digest;
   design.parameters = parametric::NamedValues(head_.parameters, q);
   if (!design.structure) design.structure.emplace();
+  design.structure->choices = parametric::ChosenAt(head_.parameters, q);
   return design;
 }
 
 absl::StatusOr<parametric::Structure> Template::StructureAt(const Eigen::VectorXd& q) const {
   MORTISE_RETURN_IF_ERROR(parametric::CheckParameterValues(head_.parameters, q));
-  return CountsAt(q);
+  MORTISE_ASSIGN_OR_RETURN(parametric::Structure structure, CountsAt(q));
+  structure.choices = parametric::ChosenAt(head_.parameters, q);
+  return structure;
+}
+
+bool Template::MayLeaveOut() const {
+  return std::any_of(head_.parameters.begin(), head_.parameters.end(),
+                     [](const parametric::Parameter& parameter) { return parameter.IsChoice(); });
 }
 
 absl::StatusOr<std::vector<cad::Solid>> Template::Solids(const Eigen::VectorXd& q) const {

@@ -54,9 +54,10 @@ class Template {
   // assembly cannot have all these sizes at once.
   absl::StatusOr<parametric::EvaluatedDesign> Evaluate(const Eigen::VectorXd& q) const;
 
-  // Returns what is counted of the design at q, as Evaluate tells it, without the time that its
-  // shapes take: of an assembly how many parts each row of it has, of a list of features how many
-  // instances each pattern and how many corners each polygon. Designs of one revision with the same
+  // Returns what is there, counted or chosen of the design at q, as Evaluate tells it, without the
+  // time that its shapes take: of an assembly how many parts each row of it has, of parts which are
+  // there, how often and of which items, of a list of features how many instances each pattern and
+  // how many corners each polygon, and which are not made. Designs of one revision with the same
   // structure have the same parts, by number and name; those of assemblies, parts and cages also
   // the same vertices and triangles, part by part. A solid of features is meshed anew each time,
   // and its faces may come and go as lengths change. Fails as Evaluate, but for solids that only
@@ -66,6 +67,10 @@ class Template {
   // Whether the surfaces of designs of one structure are meshed anew each time. Otherwise they have
   // the same vertices, in the same order, joined to triangles of the same faces.
   virtual bool MeshesAnew() const { return false; }
+
+  // Whether what StructureAt tells may differ between designs other than in its counts: parts or
+  // features that may be absent, parts that are repeated or of several items, choices.
+  virtual bool MayLeaveOut() const;
 
   // Linear inequalities among parameters: normals · q <= bounds, unit rows.
   struct ParameterLimits {
@@ -112,8 +117,8 @@ class Template {
   explicit Template(TemplateHead head) : head_(std::move(head)) {}
 
   // Do as Evaluate, StructureAt, Solids and AssemblyAt, for parameters that have been checked;
-  // name, revision, digest and parameters of the design are filled in afterwards, and the structure
-  // where nothing is counted.
+  // name, revision, digest and parameters of the design are filled in afterwards, and of the
+  // structure the choices.
   virtual absl::StatusOr<parametric::EvaluatedDesign> DesignAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<parametric::Structure> CountsAt(const Eigen::VectorXd& q) const = 0;
   virtual absl::StatusOr<std::vector<cad::Solid>> SolidsAt(const Eigen::VectorXd& q) const;

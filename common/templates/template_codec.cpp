@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
+#include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
@@ -25,7 +26,6 @@
 #include "common/templates/feature_template.h"
 #include "common/templates/features/codec/cad_template_codec.h"
 #include "common/templates/parts_template.h"
-#include "common/templates/unbuilt_fields.h"
 
 namespace mortise::templates {
 namespace {
@@ -35,6 +35,7 @@ using Compiled = absl::StatusOr<std::shared_ptr<const Template>>;
 constexpr std::size_t kFilledHandles = 12;
 constexpr std::size_t kMaxTriedEnds = 6;  // parameters; twice as many designs
 constexpr int kTriedCorners = 12;
+constexpr std::size_t kMaxTriedChoices = 8;  // values of a parameter
 
 // How assemblies are parametrised, and who waits for that.
 struct Parametrizing {
@@ -258,6 +259,15 @@ void FillHead(const v1::TemplateBundle& bundle, const Template& compiled, v1::Te
   *message.mutable_parameters() = filled.parameters();
 }
 
+// Writes what choices leave out.
+void FillChoices(google::protobuf::RepeatedPtrField<v1::Parameter>& parameters) {
+  for (v1::Parameter& parameter : parameters) {
+    if (parameter.choices_size() > 0) {
+      parameter = parametric::ToProto(parametric::FromProto(parameter));
+    }
+  }
+}
+
 // What the design at q cannot be, said with where that is. False if it cannot.
 bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& kind,
          const std::string& where, std::vector<FieldViolation>& findings) {
@@ -278,17 +288,30 @@ bool Try(const Template& compiled, const Eigen::VectorXd& q, const std::string& 
   return false;
 }
 
+// The ends of a number; all values of a choice, if they are not too many.
+std::vector<double> TriedValues(const parametric::Parameter& parameter) {
+  if (!parameter.IsChoice()) return {parameter.minimum, parameter.maximum};
+  std::vector<double> values;
+  const std::size_t count = std::min(parameter.choices.size(), kMaxTriedChoices);
+  for (std::size_t value = 0; value < count; ++value) values.push_back(static_cast<double>(value));
+  return values;
+}
+
 // The ends of every parameter, one at a time.
 void TryEnds(const Template& compiled, const std::string& kind,
              const std::function<bool()>& is_given_up, std::vector<FieldViolation>& findings) {
   const Eigen::VectorXd defaults = parametric::Defaults(compiled.parameters());
   for (Eigen::Index i = 0; i < defaults.size(); ++i) {
     const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
-    for (const double end : {parameter.minimum, parameter.maximum}) {
+    for (const double value : TriedValues(parameter)) {
       Eigen::VectorXd q = defaults;
-      q(i) = end;
+      q(i) = value;
       if (is_given_up()) return;
-      Try(compiled, q, kind, absl::StrCat("at ", parameter.name, " = ", end), findings);
+      const std::string& choice = parametric::ChoiceAt(parameter, value);
+      Try(compiled, q, kind,
+          choice.empty() ? absl::StrCat("at ", parameter.name, " = ", value)
+                         : absl::StrCat("at ", parameter.name, " = ", choice),
+          findings);
     }
   }
 }
@@ -301,7 +324,9 @@ void TryCorners(const Template& compiled, const std::string& kind,
     Eigen::VectorXd q(static_cast<Eigen::Index>(compiled.parameters().size()));
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const parametric::Parameter& parameter = compiled.parameters()[static_cast<std::size_t>(i)];
-      q(i) = (bits() & 1U) != 0 ? parameter.maximum : parameter.minimum;
+      q(i) = parameter.IsChoice() ? static_cast<double>(bits() % parameter.choices.size())
+             : (bits() & 1U) != 0 ? parameter.maximum
+                                  : parameter.minimum;
     }
     if (is_given_up()) return;
     Try(compiled, q, kind, "at " + parametric::ToText(compiled.parameters(), q), findings);
@@ -323,7 +348,8 @@ void TryAll(const Template& compiled, const std::string& kind,
   }
 }
 
-absl::Status CompleteParts(const v1::TemplateBundle& bundle) {
+absl::Status CompleteParts(v1::TemplateBundle& bundle) {
+  FillChoices(*bundle.mutable_template_()->mutable_parameters());
   MORTISE_ASSIGN_OR_RETURN(const TemplateHead used, HeadOf(bundle));
   return parametric::ToStatus(
       parametric::ValidateTemplateMessage(bundle.template_(), used.items, used.materials));
@@ -333,6 +359,9 @@ absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
                           const Parametrizing& parametrizing) {
   const std::function<bool()>& is_given_up = parametrizing.is_given_up;
   v1::Template& message = *bundle.mutable_template_();
+  if (message.has_cad()) FillChoices(*message.mutable_cad()->mutable_parameters());
+  if (message.has_cage()) FillChoices(*message.mutable_cage()->mutable_parameters());
+  FillChoices(*message.mutable_parameters());
   std::vector<FieldViolation> findings;
   CheckHead(message, findings);
   MORTISE_RETURN_IF_ERROR(parametric::ToStatus(findings));
@@ -370,7 +399,9 @@ bool KnowsParameters(const v1::Template& message, const absl::Status& completed)
 absl::Status CheckCustomMetrics(const v1::Template& message) {
   std::vector<parametric::NamedUnit> parameters;
   for (const v1::Parameter& parameter : ParametersOf(message)) {
-    parameters.push_back({parameter.name(), parameter.unit()});
+    parameters.push_back({parameter.name(),
+                          parameter.unit(),
+                          {parameter.choices().begin(), parameter.choices().end()}});
   }
   std::vector<FieldViolation> findings =
       parametric::ValidateMetricDefinitions(parametric::MetricDefinitionsOf(message), parameters,
@@ -391,7 +422,6 @@ absl::Status FillAndCheck(v1::TemplateBundle& bundle, Trial trial,
                           const std::function<bool()>& is_given_up,
                           const Parametrize& parametrize) {
   const v1::Template& message = bundle.template_();
-  MORTISE_RETURN_IF_ERROR(CheckNoUnbuiltFields(message));
   const absl::Status completed = message.kind_case() == v1::Template::KIND_NOT_SET
                                      ? CompleteParts(bundle)
                                      : CompleteKind(bundle, trial, {parametrize, is_given_up});
@@ -404,8 +434,12 @@ absl::Status FillAndCheck(v1::TemplateBundle& bundle, Trial trial,
 
 std::set<std::string> ItemsOf(const v1::Template& message) {
   std::set<std::string> names;
-  for (const v1::PartTemplate& part : message.parts()) names.insert(part.item());
-  for (const v1::Connection& connection : message.connections()) names.insert(connection.item());
+  const auto add = [&names](const auto& owner) {
+    names.insert(owner.item());
+    for (const v1::ConditionalItem& item : owner.items()) names.insert(item.item());
+  };
+  std::for_each(message.parts().begin(), message.parts().end(), add);
+  std::for_each(message.connections().begin(), message.connections().end(), add);
   return names;
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/parameter_values.h"
 
 namespace mortise::parametric {
 namespace {
@@ -15,21 +16,30 @@ constexpr double kFarthest = 1e3;  // m, from the origin
 // Parses the expressions of a template.
 class Parser {
  public:
-  Parser(std::vector<std::string>& names, std::vector<FieldViolation>& findings)
+  Parser(std::vector<ExpressionName>& names, std::vector<FieldViolation>& findings)
       : names_(names), findings_(findings) {}
 
   std::optional<Expression> Parse(const std::string& field, const std::string& text,
                                   bool may_be_empty) {
     if (text.empty() && may_be_empty) return std::nullopt;
-    auto expression = Expression::Parse(text, names_);
+    return Take(field, text, Expression::Parse(text, names_));
+  }
+
+  std::optional<Expression> ParseCondition(const std::string& field, const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    return Take(field, text, Expression::ParseCondition(text, names_));
+  }
+
+ private:
+  std::optional<Expression> Take(const std::string& field, const std::string& text,
+                                 absl::StatusOr<Expression> expression) {
     if (expression.ok()) return *std::move(expression);
     findings_.push_back(
         {field, absl::StrCat("'", text.substr(0, 80), "': ", expression.status().message())});
     return std::nullopt;
   }
 
- private:
-  std::vector<std::string>& names_;
+  std::vector<ExpressionName>& names_;
   std::vector<FieldViolation>& findings_;
 };
 
@@ -41,14 +51,13 @@ FieldViolation Fault(const std::string& field, const absl::Status& status) {
 
 CageExpressions::CageExpressions(const CageTemplate& definition,
                                  std::vector<FieldViolation>& findings) {
-  std::vector<std::string> names;
-  for (const Parameter& parameter : definition.parameters) names.push_back(parameter.name);
+  std::vector<ExpressionName> names = ExpressionNames(definition.parameters);
   Parser parser(names, findings);
   for (std::size_t i = 0; i < definition.definitions.size(); ++i) {
     const std::string field = absl::StrCat("definitions[", i, "].value");
     definitions_.push_back({field, parser.Parse(field, definition.definitions[i].value, false)});
     // Also where it cannot be read, lest everything that uses it be reported too.
-    names.push_back(definition.definitions[i].name);
+    names.push_back({definition.definitions[i].name});
   }
   const auto point = [&parser](const std::string& field, const CagePoint& texts) {
     std::array<Placed, 3> placed = {Placed{field + ".x", {}}, Placed{field + ".y", {}},
@@ -65,6 +74,8 @@ CageExpressions::CageExpressions(const CageTemplate& definition,
     const CageCondition& condition = definition.conditions[i];
     const std::string field = absl::StrCat("conditions[", i, "]");
     Condition parsed{condition.name, condition.kind, {}};
+    parsed.present = {field + ".present",
+                      parser.ParseCondition(field + ".present", condition.present)};
     const std::span<const ConditionComponent> components = ComponentsOf(condition.kind);
     for (std::size_t k = 0; k < components.size(); ++k) {
       const std::string place = absl::StrCat(field, ".", components[k].field);
@@ -145,6 +156,17 @@ absl::StatusOr<CageExpressions::Conditions> CageExpressions::ConditionsAt(
   std::vector<FieldViolation> findings;
   Conditions at;
   for (const Condition& condition : conditions_) {
+    if (condition.present.expression) {
+      const auto present = condition.present.expression->Holds(names.values);
+      if (!present.ok()) {
+        findings.push_back({condition.present.field,
+                            absl::StrCat("'", condition.name, "': ", present.status().message())});
+      }
+      if (!present.value_or(false)) {
+        at.numbers.emplace_back();
+        continue;
+      }
+    }
     const std::span<const ConditionComponent> components = ComponentsOf(condition.kind);
     std::vector<std::optional<double>> values;
     for (std::size_t k = 0; k < components.size(); ++k) {

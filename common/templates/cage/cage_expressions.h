@@ -35,13 +35,13 @@ class CageExpressions {
 
   // The conditions at `q`.
   struct Conditions {
-    std::vector<ConditionNumbers> numbers;        // in their order
-    std::optional<double> reference_temperature;  // K
+    std::vector<std::optional<ConditionNumbers>> numbers;  // in their order; none of what is absent
+    std::optional<double> reference_temperature;           // K
   };
 
-  // Returns the conditions at `q`. INVALID_ARGUMENT naming the field and the condition of every
-  // expression that cannot be evaluated or is not what it must be: temperatures and coefficients
-  // are greater than 0.
+  // Returns the conditions that act at `q`. INVALID_ARGUMENT naming the field and the condition of
+  // every expression that cannot be evaluated or is not what it must be: temperatures and
+  // coefficients are greater than 0.
   absl::StatusOr<Conditions> ConditionsAt(const Eigen::VectorXd& q) const;
 
  private:
@@ -53,6 +53,7 @@ class CageExpressions {
     std::string name;
     BoundaryConditionKind kind;
     std::vector<Placed> components;
+    Placed present = {};  // no expression where it always acts
   };
   // Parameters, then definitions.
   struct Names {

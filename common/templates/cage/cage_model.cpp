@@ -183,10 +183,7 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
   MORTISE_ASSIGN_OR_RETURN(const CageNumbers numbers, state_->expressions.Cage(q, false));
   MORTISE_ASSIGN_OR_RETURN(const CageExpressions::Conditions conditions,
                            state_->expressions.ConditionsAt(q));
-  CageDesign design{state_->SurfaceAt(numbers.cage),
-                    state_->triangle_face,
-                    {},
-                    {},
+  CageDesign design{state_->SurfaceAt(numbers.cage), state_->triangle_face, {}, {}, {},
                     conditions.reference_temperature};
   const std::string fault = FaultOf(design.surface, state_->volume);
   if (!fault.empty()) {
@@ -197,8 +194,12 @@ absl::StatusOr<CageDesign> CageModel::Evaluate(const Eigen::VectorXd& q) const {
   }
   for (std::size_t i = 0; i < conditions.numbers.size(); ++i) {
     const CageCondition& condition = state_->definition.conditions[i];
+    if (!conditions.numbers[i]) {
+      design.absent_conditions.push_back(condition.name);
+      continue;
+    }
     FaceCondition at;
-    static_cast<ConditionNumbers&>(at) = conditions.numbers[i];
+    static_cast<ConditionNumbers&>(at) = *conditions.numbers[i];
     at.name = condition.name;
     at.kind = condition.kind;
     at.load_case = condition.load_case;

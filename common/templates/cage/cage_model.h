@@ -27,7 +27,8 @@ struct CageDesign {
   mesh::SurfaceMesh surface;                    // closed, outward, does not cross itself
   Eigen::VectorXi triangle_face;                // T, index into face_names
   std::vector<std::string> face_names;          // in the template's order
-  std::vector<FaceCondition> conditions;        // in the template's order
+  std::vector<FaceCondition> conditions;        // that act, in the template's order
+  std::vector<std::string> absent_conditions;   // names of those that do not, likewise
   std::optional<double> reference_temperature;  // K; no thermal stress without it
 };
 

@@ -42,6 +42,7 @@ struct Cage {
 // A support, load or heat.
 struct CageCondition : ConditionDefinition {
   std::string name;
+  std::string present = {};  // expression, a condition; always if empty
 };
 
 struct CageTemplate {

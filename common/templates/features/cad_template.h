@@ -152,6 +152,7 @@ struct Feature {
   std::variant<Sketch, Extrude, Revolve, Sweep, Boolean, Fillet, Chamfer, Draft, Shell, Hole,
                LinearPattern, CircularPattern, Condition>
       kind;
+  Formula present = {};  // a condition: whether it is made, or acts; always if empty
 };
 
 struct Definition {

@@ -34,6 +34,7 @@ class FeatureChecker {
       CheckName(place_ + ".name", feature.name, feature_names_);
       place_ += ".";
       feature_ = &feature;
+      if (!feature.present.empty()) CheckCanBeAbsent(feature);
       std::visit(*this, feature.kind);
       makes_body = makes_body || !bodies_.empty();
       earlier_.emplace(feature.name, &feature);
@@ -238,9 +239,28 @@ class FeatureChecker {
     }
   }
 
+  // What is to be there for others cannot be left out.
+  void CheckCanBeAbsent(const Feature& feature) {
+    const auto makes_body = [](const auto* solid) {
+      return solid != nullptr && solid->operation == Operation::kNewBody;
+    };
+    if (std::holds_alternative<Sketch>(feature.kind)) {
+      Here("present", "does not go with a sketch, which makes nothing by itself");
+    } else if (std::holds_alternative<Boolean>(feature.kind)) {
+      Here("present", "does not go with a feature that uses bodies up");
+    } else if (makes_body(std::get_if<Extrude>(&feature.kind)) ||
+               makes_body(std::get_if<Revolve>(&feature.kind)) ||
+               makes_body(std::get_if<Sweep>(&feature.kind))) {
+      Here("present", "does not go with a feature that makes a new body");
+    }
+  }
+
   void Source(const std::string& field, const std::string& name) {
     const Feature* feature = Earlier(field, name);
     if (feature == nullptr) return;
+    if (!feature->present.empty()) {
+      Here(field, absl::StrCat("'", name, "' may be absent, and so cannot be repeated"));
+    }
     if (!MakesSolid(*feature)) {
       Here(field, "must be an extrude, revolve, sweep or hole");
     } else if (Intersects(*feature)) {

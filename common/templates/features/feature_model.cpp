@@ -66,6 +66,7 @@ void CheckShapes(const CadTemplate& definition, const std::vector<std::vector<Nu
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
     const auto& kind = definition.features[i].kind;
     if (!std::holds_alternative<Sketch>(kind) && !std::holds_alternative<Extrude>(kind)) continue;
+    if (!numbers.IsPresent(i)) continue;
     const std::string place = absl::StrCat("features[", i, "].");
     if (at_fault.contains(i) || !AreKnown(uses[i], numbers)) continue;
     if (const auto* sketch = std::get_if<Sketch>(&kind)) {
@@ -202,7 +203,14 @@ absl::StatusOr<parametric::Structure> FeatureModel::StructureAt(
     const Eigen::Ref<const Eigen::VectorXd>& q) const {
   MORTISE_ASSIGN_OR_RETURN(const Numbers numbers, NumbersAt(q));
   parametric::Structure structure;
-  for (const Feature& feature : state_->definition.features) AddCounts(feature, numbers, structure);
+  const std::vector<Feature>& features = state_->definition.features;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (numbers.IsPresent(i)) {
+      AddCounts(features[i], numbers, structure);
+    } else {
+      structure.absent_features.push_back(features[i].name);
+    }
+  }
   return structure;
 }
 

@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/design/parameter_values.h"
 
 namespace mortise::cad {
 namespace {
@@ -138,7 +139,8 @@ bool BeginsName(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 
 bool BelongsToWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
 // Which of `names` stand in the text of an expression.
-std::vector<Eigen::Index> NamesIn(const std::string& text, const std::vector<std::string>& names) {
+std::vector<Eigen::Index> NamesIn(const std::string& text,
+                                  const std::vector<parametric::ExpressionName>& names) {
   std::set<std::string> words;
   for (std::size_t at = 0; at < text.size();) {
     std::size_t end = at;
@@ -148,7 +150,9 @@ std::vector<Eigen::Index> NamesIn(const std::string& text, const std::vector<std
   }
   std::vector<Eigen::Index> found;
   for (const std::string& word : words) {
-    const auto name = std::find(names.begin(), names.end(), word);
+    const auto name =
+        std::find_if(names.begin(), names.end(),
+                     [&](const parametric::ExpressionName& entry) { return entry.name == word; });
     if (name != names.end()) found.push_back(name - names.begin());
   }
   return found;
@@ -215,8 +219,7 @@ Eigen::Vector3d Numbers::operator()(const Formula3& formula) const {
 
 FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<FieldViolation>& findings)
     : parameter_count_(static_cast<Eigen::Index>(definition.parameters.size())) {
-  std::vector<std::string> names;
-  for (const auto& parameter : definition.parameters) names.push_back(parameter.name);
+  Names names = parametric::ExpressionNames(definition.parameters);
   for (std::size_t i = 0; i < definition.definitions.size(); ++i) {
     auto parsed = Parse(definition.definitions[i].value, names);
     if (!parsed.ok()) {
@@ -225,8 +228,9 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<FieldV
     }
     // The names still count, or every use of this one would be a finding too.
     definitions_.push_back(parsed.ok() ? std::optional(*std::move(parsed)) : std::nullopt);
-    names.push_back(definition.definitions[i].name);
+    names.push_back({definition.definitions[i].name});
   }
+  AddPresent(definition, names, findings);
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
     for (const NumberUse& use : NumbersOf(definition.features[i])) {
       std::string field = absl::StrCat("features[", i, "].", use.field);
@@ -243,21 +247,54 @@ FeatureNumbers::FeatureNumbers(const CadTemplate& definition, std::vector<FieldV
         expressions_.emplace(*use.formula, *std::move(parsed));
       }
       const bool is_condition = std::holds_alternative<Condition>(definition.features[i].kind);
-      uses_.push_back({std::move(field), *use.formula, use.need,
+      uses_.push_back({i, std::move(field), *use.formula, use.need,
                        is_condition ? definition.features[i].name : ""});
     }
   }
   AddReferenceTemperature(definition, names, findings);
 }
 
-absl::StatusOr<FeatureNumbers::Parsed> FeatureNumbers::Parse(
-    const std::string& text, const std::vector<std::string>& names) {
+absl::StatusOr<FeatureNumbers::Parsed> FeatureNumbers::Parse(const std::string& text,
+                                                             const Names& names) {
   MORTISE_ASSIGN_OR_RETURN(Expression expression, Expression::Parse(text, names));
   return Parsed{std::move(expression), NamesIn(text, names)};
 }
 
-void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
-                                             const std::vector<std::string>& names,
+void FeatureNumbers::AddPresent(const CadTemplate& definition, const Names& names,
+                                std::vector<FieldViolation>& findings) {
+  for (std::size_t i = 0; i < definition.features.size(); ++i) {
+    std::optional<Parsed>& present = present_.emplace_back();
+    const Formula& text = definition.features[i].present;
+    if (text.empty()) continue;
+    auto condition = Expression::ParseCondition(text, names);
+    if (condition.ok()) {
+      present = Parsed{*std::move(condition), NamesIn(text, names)};
+    } else {
+      findings.push_back(
+          {absl::StrCat("features[", i, "].present"), std::string(condition.status().message())});
+    }
+  }
+}
+
+std::vector<bool> FeatureNumbers::PresentAt(const Eigen::VectorXd& values,
+                                            std::vector<FieldViolation>& findings) const {
+  std::vector<bool> present(present_.size() + 1, true);
+  for (std::size_t i = 0; i < present_.size(); ++i) {
+    if (!present_[i]) continue;
+    present[i] = false;
+    if (!AreKnown(present_[i]->names, values)) continue;
+    const auto holds = present_[i]->expression.Holds(values);
+    if (holds.ok()) {
+      present[i] = *holds;
+    } else {
+      findings.push_back(
+          {absl::StrCat("features[", i, "].present"), std::string(holds.status().message())});
+    }
+  }
+  return present;
+}
+
+void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition, const Names& names,
                                              std::vector<FieldViolation>& findings) {
   constexpr char kField[] = "reference_temperature";
   const Formula& formula = definition.reference_temperature;
@@ -270,7 +307,7 @@ void FeatureNumbers::AddReferenceTemperature(const CadTemplate& definition,
     }
     expressions_.emplace(formula, *std::move(parsed));
   }
-  uses_.push_back({kField, formula, Need::kPositive, ""});
+  uses_.push_back({definition.features.size(), kField, formula, Need::kPositive, ""});
 }
 
 Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -290,7 +327,9 @@ Numbers FeatureNumbers::Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
           {absl::StrCat("definitions[", i, "].value"), std::string(value.status().message())});
     }
   }
+  numbers.present_ = PresentAt(values, findings);
   for (const Use& use : uses_) {
+    if (!numbers.present_[use.feature]) continue;
     const auto known = numbers.values_.find(use.text);
     const std::string owner = use.condition.empty() ? "" : absl::StrCat("'", use.condition, "': ");
     double value = 0;

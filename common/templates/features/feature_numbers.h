@@ -52,9 +52,13 @@ class Numbers {
 
   bool Knows(const Formula& formula) const { return formula.empty() || values_.contains(formula); }
 
+  // Whether the feature of this index is made, or acts. Of one that is not nothing else is known.
+  bool IsPresent(std::size_t feature) const { return present_[feature]; }
+
  private:
   friend class FeatureNumbers;
   std::unordered_map<std::string, double> values_;
+  std::vector<bool> present_;  // of each feature
 };
 
 // Every expression of a template, parsed once. Can be evaluated from any number of threads.
@@ -65,8 +69,9 @@ class FeatureNumbers {
 
   // Returns the numbers at `q`, one entry a parameter in the template's order, which need not be
   // within their ranges. Whatever cannot be evaluated or is not what it must be is added to
-  // `findings`. Parameters that are not finite, and definitions that could not be parsed or
-  // evaluated, are unknown: so is what uses them, of which nothing is told.
+  // `findings`, but for features that are not present. Parameters that are not finite, and
+  // definitions that could not be parsed or evaluated, are unknown: so is what uses them, of which
+  // nothing is told; features of which the presence is unknown count as absent.
   Numbers Evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
                    std::vector<FieldViolation>& findings) const;
 
@@ -76,20 +81,26 @@ class FeatureNumbers {
     parametric::Expression expression;
     std::vector<Eigen::Index> names;
   };
-  static absl::StatusOr<Parsed> Parse(const std::string& text,
-                                      const std::vector<std::string>& names);
+  using Names = std::vector<parametric::ExpressionName>;
+  static absl::StatusOr<Parsed> Parse(const std::string& text, const Names& names);
 
   struct Use {
-    std::string field;  // "features[2].extrude.to"
+    std::size_t feature;  // index; that after the last for the reference temperature
+    std::string field;    // "features[2].extrude.to"
     std::string text;
     Need need;
     std::string condition;  // whose it is; empty for the shape's
   };
-  void AddReferenceTemperature(const CadTemplate& definition, const std::vector<std::string>& names,
+  void AddPresent(const CadTemplate& definition, const Names& names,
+                  std::vector<FieldViolation>& findings);
+  void AddReferenceTemperature(const CadTemplate& definition, const Names& names,
                                std::vector<FieldViolation>& findings);
+  std::vector<bool> PresentAt(const Eigen::VectorXd& values,
+                              std::vector<FieldViolation>& findings) const;
 
   std::vector<std::optional<Parsed>> definitions_;  // none for those that cannot be parsed
   std::vector<Use> uses_;
+  std::vector<std::optional<Parsed>> present_;  // of each feature; none of those that always are
   std::unordered_map<std::string, Parsed> expressions_;  // by text
   Eigen::Index parameter_count_ = 0;
 };

@@ -369,6 +369,7 @@ absl::StatusOr<RegeneratedModel> RegenerateFeatures(const CadTemplate& definitio
                                                     const Numbers& numbers, bool one_by_one) {
   Regeneration regeneration(definition, numbers);
   for (std::size_t i = 0; i < definition.features.size(); ++i) {
+    if (!numbers.IsPresent(i)) continue;
     const std::string place = absl::StrCat("features[", i, "]");
     try {
       absl::Status status = regeneration.Make(definition.features[i]);

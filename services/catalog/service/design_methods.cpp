@@ -10,7 +10,6 @@
 #include "common/files/template_codec.h"
 #include "common/host/chunk_stream.h"
 #include "common/rpc/server_host.h"
-#include "common/templates/unbuilt_fields.h"
 #include "services/catalog/exchange/design_export.h"
 #include "services/catalog/service/design_stream.h"
 #include "services/catalog/service/evaluated_design_reply.h"
@@ -38,7 +37,6 @@ struct NamedDesign {
 // F and the given parameters, rounded to what a workshop can set.
 absl::StatusOr<Choice> Choose(Catalog& catalog, const std::string& name, int64_t revision,
                               const ParameterValues& values) {
-  MORTISE_RETURN_IF_ERROR(templates::CheckNoChoices(values));
   MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, FindBundle(catalog, name, revision));
   MORTISE_ASSIGN_OR_RETURN(
       std::shared_ptr<const templates::Template> design_template,

@@ -16,7 +16,6 @@
 #include "common/mesh/length_unit.h"
 #include "common/mesh/scenes/scene_format.h"
 #include "common/mesh/scenes/scene_reader.h"
-#include "common/templates/unbuilt_fields.h"
 #include "services/retrieval/families/design_surface.h"
 
 namespace mortise::retrieval {
@@ -92,7 +91,6 @@ absl::StatusOr<std::set<std::string>> PartsOf(const v1::QueryDesign& query,
 
 absl::StatusOr<QueryShape> ReadDesign(const v1::QueryDesign& query, TemplateSource& templates,
                                       const rpc::Origin& origin) {
-  MORTISE_RETURN_IF_ERROR(templates::CheckNoChoices(query.parameters()));
   MORTISE_ASSIGN_OR_RETURN(const std::shared_ptr<const SearchedTemplate> compiled,
                            templates.Get(query.template_(), query.template_revision(), origin));
   MORTISE_ASSIGN_OR_RETURN(const Eigen::VectorXd q, parametric::CompleteParameters(

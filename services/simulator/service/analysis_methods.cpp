@@ -18,7 +18,6 @@
 #include "common/resources/resource_tags.h"
 #include "common/rpc/channel.h"
 #include "common/store/blob_upkeep.h"
-#include "common/templates/unbuilt_fields.h"
 #include "services/simulator/analysis/design_analysis.h"
 #include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/simulator_core.h"
@@ -137,7 +136,6 @@ absl::Status CheckSubject(const std::string& subject) {
 absl::StatusOr<v1::Task> PrepareDesign(const Simulator& simulator, const rpc::Call& call,
                                        const v1::AnalyzeDesignRequest& asked) {
   MORTISE_RETURN_IF_ERROR(CheckRequest(asked));
-  MORTISE_RETURN_IF_ERROR(templates::CheckNoChoices(asked.parameters()));
   MORTISE_ASSIGN_OR_RETURN(const auto compiled, FindTemplate(simulator, call, asked));
   MORTISE_ASSIGN_OR_RETURN(
       const Eigen::VectorXd parameters,

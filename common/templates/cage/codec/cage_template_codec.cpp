@@ -52,6 +52,7 @@ CageCondition ReadCondition(const v1::CageCondition& message, const std::string&
     findings.push_back({field, "does not say what kind of condition it is"});
   }
   condition.name = message.name();
+  condition.present = message.present();
   return condition;
 }
 
@@ -65,9 +66,7 @@ absl::StatusOr<CageTemplate> FromProto(const v1::CageTemplate& message) {
   definition.description = message.description();
   definition.material = message.material();
   for (const v1::Parameter& parameter : message.parameters()) {
-    definition.parameters.push_back({parameter.name(), parameter.title(), parameter.description(),
-                                     parameter.unit(), parameter.minimum(), parameter.maximum(),
-                                     parameter.default_value(), parameter.step()});
+    definition.parameters.push_back(parametric::FromProto(parameter));
   }
   for (const v1::CadDefinition& entry : message.definitions()) {
     definition.definitions.push_back({entry.name(), entry.value()});
@@ -120,6 +119,7 @@ v1::CageTemplate ToProto(const CageTemplate& definition) {
   for (const CageCondition& condition : definition.conditions) {
     v1::CageCondition& entry = *message.add_conditions();
     entry.set_name(condition.name);
+    entry.set_present(condition.present);
     WriteCondition(condition, entry);
   }
   message.set_reference_temperature(definition.reference_temperature);

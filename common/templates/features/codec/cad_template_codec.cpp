@@ -7,6 +7,7 @@
 #include "common/base/errors.h"
 #include "common/design/template_validation.h"
 #include "common/files/condition_codec.h"
+#include "common/files/template_codec.h"
 #include "common/messages/proto_text.h"
 
 namespace mortise::cad {
@@ -31,6 +32,7 @@ class FeatureReader {
     place_ = place;
     Feature feature;
     feature.name = message.name();
+    feature.present = message.present();
     switch (message.kind_case()) {
       case v1::Feature::kSketch:
         feature.kind = ReadSketch(message.sketch());
@@ -196,9 +198,7 @@ absl::StatusOr<CadTemplate> FromProto(const v1::CadTemplate& message) {
                          {},
                          message.reference_temperature()};
   for (const v1::Parameter& parameter : message.parameters()) {
-    definition.parameters.push_back({parameter.name(), parameter.title(), parameter.description(),
-                                     parameter.unit(), parameter.minimum(), parameter.maximum(),
-                                     parameter.default_value(), parameter.step()});
+    definition.parameters.push_back(parametric::FromProto(parameter));
   }
   for (const v1::CadDefinition& entry : message.definitions()) {
     definition.definitions.push_back({entry.name(), entry.value()});

@@ -183,6 +183,7 @@ v1::CadTemplate ToProto(const CadTemplate& definition) {
   for (const Feature& feature : definition.features) {
     v1::Feature& added = *message.add_features();
     added.set_name(feature.name);
+    added.set_present(feature.present);
     std::visit(KindWriter(added), feature.kind);
   }
   message.set_reference_temperature(definition.reference_temperature);

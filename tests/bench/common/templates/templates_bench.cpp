@@ -20,13 +20,19 @@ void Compiling(benchmark::State& state, const v1::TemplateBundle& bundle) {
 
 void Evaluating(benchmark::State& state, const std::shared_ptr<const Template>& compiled) {
   Eigen::VectorXd q = parametric::Defaults(compiled->parameters());
+  Eigen::Index number = 0;  // the first parameter that is no whole number
+  while (number + 1 < q.size() &&
+         parametric::IsWhole(compiled->parameters()[static_cast<std::size_t>(number)])) {
+    ++number;
+  }
+  const parametric::Parameter& first = compiled->parameters()[static_cast<std::size_t>(number)];
   double sign = 1;
   for (auto _ : state) {
     // Another point each time, near enough to the defaults that the design can be made.
-    const parametric::Parameter& first = compiled->parameters()[0];
-    q(0) = first.default_value;
-    const double room = sign > 0 ? first.maximum - q(0) : q(0) - first.minimum;
-    q(0) += sign * 0.01 * room;
+    double& value = q(number);
+    value = first.default_value;
+    const double room = sign > 0 ? first.maximum - value : value - first.minimum;
+    value += sign * 0.01 * room;
     sign = -sign;
     benchmark::DoNotOptimize(compiled->Evaluate(q).ok());
   }

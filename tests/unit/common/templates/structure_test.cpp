@@ -114,6 +114,7 @@ std::vector<Eigen::VectorXd> PointsOf(const Function& function, int between) {
       points.back()(i) += share * (end - points.back()(i));
     }
   }
+  for (Eigen::VectorXd& q : points) q = parametric::WithWholeNumbers(parameters, std::move(q));
   return points;
 }
 
@@ -199,7 +200,8 @@ INSTANTIATE_TEST_SUITE_P(Assemblies, StructureOfShipped,
 INSTANTIATE_TEST_SUITE_P(Templates, StructureOfShipped,
                          ::testing::Values(Shipped{"templates/wrench"},
                                            Shipped{"templates/camera-mount"},
-                                           Shipped{"templates/table"}, Shipped{"templates/boat"}),
+                                           Shipped{"templates/table"}, Shipped{"templates/boat"},
+                                           Shipped{"templates/armchair", true}),
                          [](const auto& chosen) {
                            return absl::StrReplaceAll(chosen.param.name, {{"-", "_"}, {"/", "_"}});
                          });
