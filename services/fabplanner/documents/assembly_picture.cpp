@@ -1,6 +1,7 @@
 #include "services/fabplanner/documents/assembly_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -20,6 +21,9 @@ namespace {
 
 constexpr int kMaxPegsDrawn = 400;
 
+// A connection, and the two parts of those that it joins.
+using JoinedParts = std::array<std::string, 3>;
+
 // How two parts of a step are joined, seen from one of them.
 struct Joint {
   std::string neighbour;
@@ -28,10 +32,12 @@ struct Joint {
 
 std::map<std::string, std::vector<Joint>> JointsOf(const AssemblyStep& step, const Design& design) {
   std::map<std::string, std::vector<Joint>> joints;
-  std::map<std::string, const Peg*> first_peg;
-  for (const Peg& peg : design.pegs) first_peg.emplace(peg.connection, &peg);
+  std::map<JoinedParts, const Peg*> first_peg;
+  for (const Peg& peg : design.pegs) {
+    first_peg.emplace(JoinedParts{peg.connection, peg.part, peg.other_part}, &peg);
+  }
   for (const StepConnection& connection : step.connections) {
-    const Peg& peg = *first_peg.at(connection.name);
+    const Peg& peg = *first_peg.at({connection.name, connection.part, connection.other_part});
     joints[peg.part].push_back({peg.other_part, -peg.direction});
     joints[peg.other_part].push_back({peg.part, peg.direction});
   }
@@ -144,18 +150,21 @@ void AddParts(const Design& design, const std::vector<std::string>& names,
 // Pegs of the step in the gap that they bridge, and an arrow for each connection along its middle.
 void AddPegsAndArrows(const Design& design, const AssemblyStep& step, const Explosion& explosion,
                       render::Scene* scene) {
-  std::map<std::string, std::pair<Eigen::Vector3d, int>> centres;  // sum and count
-  std::map<std::string, const Peg*> pegs;
-  std::set<std::string> made;
-  for (const StepConnection& connection : step.connections) made.insert(connection.name);
+  std::map<JoinedParts, std::pair<Eigen::Vector3d, int>> centres;  // sum and count
+  std::map<JoinedParts, const Peg*> pegs;
+  std::set<JoinedParts> made;
+  for (const StepConnection& connection : step.connections) {
+    made.insert({connection.name, connection.part, connection.other_part});
+  }
   int drawn = 0;
   for (const Peg& peg : design.pegs) {
-    if (!made.contains(peg.connection)) continue;
+    const JoinedParts joined = {peg.connection, peg.part, peg.other_part};
+    if (!made.contains(joined)) continue;
     auto& [sum, count] =
-        centres.emplace(peg.connection, std::pair(Eigen::Vector3d::Zero().eval(), 0)).first->second;
+        centres.emplace(joined, std::pair(Eigen::Vector3d::Zero().eval(), 0)).first->second;
     sum += peg.position;
     ++count;
-    pegs.emplace(peg.connection, &peg);
+    pegs.emplace(joined, &peg);
     if (++drawn > kMaxPegsDrawn) continue;
     // The peg stands in the part that moves less.
     const Eigen::Vector3d own = explosion.Of(peg.part), other = explosion.Of(peg.other_part);

@@ -1,5 +1,6 @@
 #include "services/fabplanner/joining/assembly_sequence.h"
 
+#include <array>
 #include <map>
 #include <numeric>
 #include <set>
@@ -30,7 +31,8 @@ class Groups {
   std::vector<int> parent_;
 };
 
-// A connection with its priority, made of the pegs that name it.
+// A connection between two parts with its priority, made of the pegs that name all three. Where a
+// part is repeated, a connection of the design is one between each two copies.
 struct PeggedConnection {
   int priority = 0;
   StepConnection connection;
@@ -39,7 +41,8 @@ struct PeggedConnection {
 absl::StatusOr<std::vector<PeggedConnection>> CollectConnections(
     const Design& design, const std::map<std::string, int>& part_index) {
   std::vector<PeggedConnection> connections;
-  std::map<std::string, std::size_t> by_name;
+  std::map<std::array<std::string, 3>, std::size_t> by_parts;
+  std::map<std::string, int> priorities;  // by name
   for (const Peg& peg : design.pegs) {
     const std::string field = absl::StrCat("connection ", peg.connection);
     for (const std::string& part : {peg.part, peg.other_part}) {
@@ -48,19 +51,32 @@ absl::StatusOr<std::vector<PeggedConnection>> CollectConnections(
           field, absl::StrCat("joins the part ", part, ", which the design does not have"));
     }
     if (peg.part == peg.other_part) return InvalidField(field, "joins a part to itself");
-    const auto [entry, is_new] = by_name.emplace(peg.connection, connections.size());
+    if (priorities.emplace(peg.connection, peg.priority).first->second != peg.priority) {
+      return InvalidField(field, "has pegs that differ in priority");
+    }
+    const auto [entry, is_new] =
+        by_parts.emplace(std::array{peg.connection, peg.part, peg.other_part}, connections.size());
     if (is_new) {
       connections.push_back(
           {peg.priority, {peg.connection, peg.part, peg.other_part, peg.item, 0}});
     }
-    PeggedConnection& connection = connections[entry->second];
-    if (connection.priority != peg.priority || connection.connection.part != peg.part ||
-        connection.connection.other_part != peg.other_part) {
-      return InvalidField(field, "has pegs that differ in priority or parts");
-    }
-    ++connection.connection.pegs;
+    ++connections[entry->second].connection.pegs;
   }
   return connections;
+}
+
+// Texts in their order, those that are alike once with how many there are: "2 × Side rail".
+std::vector<std::string> Counted(const std::vector<std::string>& texts) {
+  std::map<std::string, int> counts;
+  for (const std::string& text : texts) ++counts[text];
+  std::vector<std::string> counted;
+  for (const std::string& text : texts) {
+    int& count = counts[text];
+    if (count == 0) continue;  // told already
+    counted.push_back(count == 1 ? text : absl::StrCat(count, " × ", text));
+    count = 0;
+  }
+  return counted;
 }
 
 std::string Titles(const Design& design, const std::map<std::string, int>& part_index,
@@ -70,6 +86,7 @@ std::string Titles(const Design& design, const std::map<std::string, int>& part_
     const Part& part = design.parts[part_index.at(name)];
     titles.push_back(part.title.empty() ? part.name : part.title);
   }
+  titles = Counted(titles);
   if (titles.size() < 2) return absl::StrJoin(titles, "");
   const std::string last = titles.back();
   titles.pop_back();
@@ -116,7 +133,7 @@ std::string Instruction(const Design& design, const Items& items,
       if (present.contains(part)) standing.insert(before.Find(part_index.at(part)));
     }
   }
-  absl::StrAppend(&text, absl::StrJoin(joints, ", "), ". ");
+  absl::StrAppend(&text, absl::StrJoin(Counted(joints), ", "), ". ");
   if (standing.empty()) return absl::StrCat(text, "Push the parts together.");
   if (standing.size() > 1) {
     return absl::StrCat(text, "This joins ", standing.size(),

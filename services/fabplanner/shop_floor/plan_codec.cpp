@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -100,8 +101,9 @@ void AddStep(const AssemblyStep& step, v1::Plan* plan) {
   message->set_number(step.number);
   message->set_priority(step.priority);
   for (const std::string& part : step.added_parts) message->add_added_parts(part);
+  std::set<std::string> connections;  // of several copies each is told once
   for (const StepConnection& connection : step.connections) {
-    message->add_connections(connection.name);
+    if (connections.insert(connection.name).second) message->add_connections(connection.name);
   }
   message->set_pegs(step.pegs);
   message->set_instruction(step.instruction);

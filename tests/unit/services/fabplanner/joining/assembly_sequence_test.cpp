@@ -65,6 +65,35 @@ TEST(AssemblySequenceTest, EveryPartIsAddedOnceWhateverThePriorities) {
   }
 }
 
+// Copies of a part, each joined to its own neighbour by the same connection, are told once.
+TEST(AssemblySequenceTest, CountsCopiesThatAreJoinedAlike) {
+  Design design;
+  for (const std::string& name : {"rail 1", "rail 2", "leg 1", "leg 2", "top"}) {
+    design.parts.push_back(
+        BoxPart(name, "items/leg-45", CutProcess::kNone, {0, 0, 0}, {1, 1, 1}, 0, 2));
+    design.parts.back().title = name.substr(0, name.find(' '));
+  }
+  for (const char* number : {"1", "2"}) {
+    for (int peg = 0; peg < 3; ++peg) {
+      design.pegs.push_back(MakePeg("frame", std::string("rail ") + number,
+                                    std::string("leg ") + number, {0, 0, 0.1 * peg},
+                                    Eigen::Vector3d::UnitX(), 0.01, 1));
+    }
+    design.pegs.push_back(MakePeg("top", "top", std::string("leg ") + number, {0, 0, 0},
+                                  Eigen::Vector3d::UnitZ(), 0.01, 2));
+  }
+  const auto steps = AssemblySteps(design, {});
+  ASSERT_TRUE(steps.ok()) << steps.status();
+  ASSERT_EQ(steps->size(), 2);
+  EXPECT_EQ((*steps)[0].connections.size(), 2);
+  EXPECT_EQ((*steps)[0].pegs, 6);
+  EXPECT_THAT((*steps)[0].instruction, HasSubstr("Take 2 × rail and 2 × leg. "));
+  EXPECT_THAT((*steps)[0].instruction, HasSubstr("holes: 2 × 3 between rail and leg. "));
+  EXPECT_THAT((*steps)[1].instruction, HasSubstr("joins 2 sub-assemblies"));
+  design.pegs.back().priority = 3;
+  EXPECT_THAT(AssemblySteps(design, {}).status().message(), HasSubstr("differ in priority"));
+}
+
 TEST(AssemblySequenceTest, NamesLooseParts) {
   Design design = ExampleTable();
   std::erase_if(design.pegs, [](const Peg& peg) { return peg.part == "top"; });
