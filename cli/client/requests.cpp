@@ -111,6 +111,11 @@ v1::Axis AxisOf(const std::string& word) {
 
 }  // namespace
 
+// Whether a text can only be the name of a choice's value: it begins as no number does.
+bool IsNameOfValue(absl::string_view text) {
+  return !text.empty() && !DecimalNumberPrefix(std::string_view(text.data(), text.size()));
+}
+
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
   return ParseWithUnit(text, field, kQuantities);
 }
@@ -182,8 +187,14 @@ absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     }
     v1::ParameterValue& value = values.emplace_back();
     value.set_name(assignment.substr(0, split));
+    const absl::string_view text =
+        absl::StripAsciiWhitespace(absl::string_view(assignment).substr(split + 1));
+    if (IsNameOfValue(text)) {
+      value.set_choice(std::string(text));
+      continue;
+    }
     MORTISE_ASSIGN_OR_RETURN(const double number,
-                             ParseQuantity(assignment.substr(split + 1), "--set " + value.name()));
+                             ParseQuantity(std::string(text), "--set " + value.name()));
     value.set_value(number);
   }
   return values;

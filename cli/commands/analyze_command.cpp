@@ -243,7 +243,8 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
       .Add("template", options->subject,
            "Template, such as table; with --mesh the file of a case, such as bar.json")
       ->required();
-  flags.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm (metres without unit)",
+  flags.Add("--set", options->parameters,
+            "NAME=VALUE, such as length=1500mm (metres without unit) or armrests=both",
             "parameters");
   // The evaluator speaks of points in the template's order, not of names.
   flags.AlsoGives("--set", "points[0].parameters");

@@ -116,6 +116,14 @@ std::string MassText(const v1::EvaluatedDesign& design, int unweighed) {
                          unweighed);
 }
 
+// Whether there is anything to say of it.
+bool HasStructure(const v1::Structure& structure) {
+  return structure.counts_size() + structure.choices_size() + structure.items_size() +
+             structure.absent_parts_size() + structure.absent_conditions_size() +
+             structure.absent_features_size() >
+         0;
+}
+
 absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& output) {
   v1::EvaluateTemplateRequest request;
   request.set_name(ResourceName("templates", options.subject));
@@ -148,7 +156,7 @@ absl::Status Evaluate(const EvaluateOptions& options, Session& session, Output& 
   for (const std::string& fault : design.faults()) output.Line(absl::StrCat("fault: ", fault));
   output.Line(absl::StrFormat("%d parts, %d pegs, %s", design.parts_size(),
                               design.connectors_size(), MassText(design, unweighed)));
-  if (design.structure().counts_size() > 0) {
+  if (HasStructure(design.structure())) {
     output.Line(absl::StrCat("structure: ", design.structure().description()));
   }
   using Request = v1::ExportDesignRequest;
@@ -202,7 +210,8 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
   CommandFlags evaluate(
       *catalog->add_subcommand("evaluate", "The parts of a template at parameters"));
   evaluate.Add("template", options->subject, "Template, such as table", "name")->required();
-  evaluate.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm", "parameters");
+  evaluate.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm or armrests=both",
+               "parameters");
   evaluate.Add("--step", options->step, "Also write a STEP file");
   evaluate.Add("--glb", options->glb, "Also write a GLB file");
   evaluate.command().add_flag("--without-triangles", options->without_triangles,

@@ -132,7 +132,8 @@ void AddPlanCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<PlanOptions>();
   CommandFlags flags(*app.add_subcommand("plan", "Plan the fabrication of a design"));
   flags.Add("template", options->subject, "Template, such as table")->required();
-  flags.Add("--set", options->parameters, "NAME=VALUE, such as length=1500mm (metres without unit)",
+  flags.Add("--set", options->parameters,
+            "NAME=VALUE, such as length=1500mm (metres without unit) or armrests=both",
             "parameters");
   flags.Add("--quantity", options->quantity, "How many to make", "quantity")->capture_default_str();
   flags.Add("--kerf", options->kerf, "Width of a saw cut; 3mm if absent", "rules.kerf");

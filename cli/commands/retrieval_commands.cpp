@@ -94,8 +94,9 @@ absl::StatusOr<v1::SearchShapesRequest> RequestOf(SearchOptions& options) {
 std::string TextOf(const google::protobuf::RepeatedPtrField<v1::ParameterValue>& parameters) {
   std::string text;
   for (const v1::ParameterValue& parameter : parameters) {
-    absl::StrAppendFormat(&text, "%s%s=%.4g", text.empty() ? "" : " ", parameter.name(),
-                          parameter.value());
+    absl::StrAppend(&text, text.empty() ? "" : " ", parameter.name(), "=",
+                    parameter.choice().empty() ? absl::StrFormat("%.4g", parameter.value())
+                                               : parameter.choice());
   }
   return text;
 }
@@ -288,8 +289,8 @@ void AddSearch(CLI::App& app, Session& session) {
       flags.Add("--design", options->design, "A template whose design is looked for instead",
                 "design.template");
   flags
-      .Add("--set", options->parameters, "NAME=VALUE of that design, such as length=1500mm",
-           "design.parameters")
+      .Add("--set", options->parameters,
+           "NAME=VALUE of that design, such as length=1500mm or armrests=both", "design.parameters")
       ->needs(design)
       ->allow_extra_args(false);
   flags.Add("--part", options->parts, "Only this part of the design; may be repeated")

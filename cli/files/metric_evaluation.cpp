@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/evaluation/parameter_number.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/evaluator.grpc.pb.h"
 
@@ -29,7 +30,10 @@ absl::StatusOr<v1::DesignPoint> PointOf(const v1::DesignSpace& space,
           absl::StrCat("parameters[", i, "]"),
           absl::StrCat(space.subject(), " has no parameter '", parameters[i].name(), "'"));
     }
-    point.set_parameters(index, parameters[i].value());
+    MORTISE_ASSIGN_OR_RETURN(const double number,
+                             evaluation::NumberOf(parameters[i], space.parameters(index).choices(),
+                                                  absl::StrCat("parameters[", i, "]")));
+    point.set_parameters(index, number);
   }
   return point;
 }

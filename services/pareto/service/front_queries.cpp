@@ -152,6 +152,9 @@ absl::StatusOr<v1::PickPointResponse> Pick(const OpenFront& front,
     v1::ParameterValue& parameter = *response.add_parameters();
     parameter.set_name(message.parameter_names(i));
     parameter.set_value(message.points(index).parameters(i));
+    if (i < message.points(index).choices_size()) {
+      parameter.set_choice(message.points(index).choices(i));
+    }
   }
   AddMetrics(message, ToVector(message.points(index).metrics()), *response.mutable_metrics());
   response.mutable_path()->Add(path.begin(), path.end());

@@ -12,6 +12,10 @@ namespace mortise::retrieval {
 // What a FunctionManifold is made of. Functions are called on several threads at once.
 struct ManifoldFunctions {
   Eigen::VectorXd lower, upper;  // K: the box
+  // Which parameters are whole numbers: samples have whole ones, and the functions are given none
+  // between them, so that nothing changes along them but from one structure to another. None if
+  // empty.
+  std::vector<bool> whole = {};
   // Cut the box, besides; none by default. They must leave something of it.
   LinearConstraints cuts = {};
   Eigen::Index dimension = 0;  // N
@@ -38,6 +42,8 @@ class FunctionManifold : public Manifold {
   absl::StatusOr<Derivatives> DerivativesAt(const Eigen::VectorXd& q) const override;
 
  private:
+  Eigen::VectorXd Rounded(Eigen::VectorXd q) const;
+
   ManifoldFunctions functions_;
   LinearConstraints constraints_;
 };

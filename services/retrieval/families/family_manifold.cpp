@@ -76,6 +76,8 @@ struct Family {
   std::shared_ptr<DescribedDesigns> shared;  // where it makes the designs
   std::size_t place = 0;                     // of the descriptor there
   mutable RecentStructures recent;
+  std::vector<bool> whole;      // which parameters are whole numbers
+  bool has_structures = false;  // whether designs may be of several
 
   const StructureFamily* Find(const parametric::Structure& structure) const {
     for (const StructureFamily& each : structures) {
@@ -109,13 +111,13 @@ absl::StatusOr<VectorXd> Describe(const Family& family, const VectorXd& q) {
   if (family.shared != nullptr) {
     const std::shared_ptr<const DescribedDesign> design = family.shared->At(q);
     const absl::StatusOr<VectorXd>& vector = design->vectors[family.place];
-    if (vector.ok() && !design->structure.counts.empty()) {
+    if (vector.ok() && family.has_structures) {
       family.recent.Add(q, NumberOf(design->structure));
     }
     return vector;
   }
   MORTISE_ASSIGN_OR_RETURN(const SurfaceDesign design, SurfaceAt(*family.design_template, q));
-  if (!design.structure.counts.empty()) family.recent.Add(q, NumberOf(design.structure));
+  if (family.has_structures) family.recent.Add(q, NumberOf(design.structure));
   const StructureFamily* const known = family.Find(design.structure);
   if (known != nullptr && known->bound && HasVerticesOf(*known, design.surface)) {
     return known->bound->Describe(design.surface.vertices);
@@ -164,6 +166,7 @@ absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& 
   const VectorXd steps = DifferenceSteps(extents, 0);
   std::vector<Index> moving;
   for (Index k = 0; k < q.size(); ++k) {
+    if (family.whole[static_cast<std::size_t>(k)]) continue;
     if (std::abs(StepWithin(family.constraints, q, k, steps[k])) > kMinStep * steps[k]) {
       moving.push_back(k);
     }
@@ -189,7 +192,7 @@ absl::StatusOr<Derivatives> Differentiate(const Family& family, const VectorXd& 
 
 // 0 where there is no design.
 int StructureNumber(const Family& family, const VectorXd& q) {
-  if (family.structures.front().structure.counts.empty()) return 0;
+  if (!family.has_structures) return 0;
   if (const auto known = family.recent.Find(q)) return *known;
   const absl::StatusOr<parametric::Structure> structure = family.design_template->StructureAt(q);
   const int number = structure.ok() ? NumberOf(*structure) : 0;
@@ -209,7 +212,7 @@ absl::Status AddStructure(const VectorXd& q, Family* family) {
 
 // Binds the descriptor to a design of each structure that some samples have.
 void AddStructuresOf(const std::vector<VectorXd>& samples, Family* family) {
-  if (family->structures.front().structure.counts.empty()) return;
+  if (!family->has_structures) return;
   for (const VectorXd& q : samples) {
     if (family->structures.size() == kMaxStructures) break;
     const auto structure = family->design_template->StructureAt(q);
@@ -230,11 +233,15 @@ absl::StatusOr<std::unique_ptr<Manifold>> MakeFamilyManifold(
   functions.lower = std::move(box.lower);
   functions.upper = std::move(box.upper);
   functions.cuts = std::move(box.cuts);
+  functions.whole = box.whole;
   auto family = std::make_shared<Family>();
+  family->whole = std::move(box.whole);
   family->design_template = std::move(design_template);
   family->descriptor = std::move(descriptor);
   MORTISE_RETURN_IF_ERROR(
       AddStructure(parametric::Defaults(family->design_template->parameters()), family.get()));
+  family->has_structures = !family->structures.front().structure.counts.empty() ||
+                           family->design_template->MayLeaveOut();
 
   const DescriptorProperties& properties = family->descriptor->properties();
   functions.dimension = properties.dimension;

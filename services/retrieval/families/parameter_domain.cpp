@@ -4,6 +4,7 @@
 
 #include "common/assembly/polyhedra/polyhedron_extents.h"
 #include "common/base/errors.h"
+#include "common/design/parameter_values.h"
 
 namespace mortise::retrieval {
 namespace {
@@ -35,6 +36,7 @@ absl::StatusOr<ParameterDomain> DomainOf(const templates::Template& design_templ
   for (Eigen::Index i = 0; i < count; ++i) {
     domain.lower[i] = parameters[static_cast<std::size_t>(i)].minimum;
     domain.upper[i] = parameters[static_cast<std::size_t>(i)].maximum;
+    domain.whole.push_back(parametric::IsWhole(parameters[static_cast<std::size_t>(i)]));
   }
   MORTISE_ASSIGN_OR_RETURN(domain.cuts,
                            CutsOf(design_template, BoxConstraints(domain.lower, domain.upper)));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/templates/template.h"
@@ -16,6 +17,7 @@ namespace mortise::retrieval {
 struct ParameterDomain {
   Eigen::VectorXd lower;
   Eigen::VectorXd upper;
+  std::vector<bool> whole;  // which take whole numbers alone; choices among them
   // Template::LimitsAmongParameters, each a little within, so that rounding decides nothing; no
   // rows where nothing is known.
   LinearConstraints cuts;

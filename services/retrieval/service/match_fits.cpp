@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "common/base/errors.h"
+#include "common/design/parameter_values.h"
 #include "services/retrieval/catalog/template_names.h"
 #include "services/retrieval/cover/parallel_evaluator.h"
 #include "services/retrieval/families/family_surfaces.h"
@@ -109,7 +111,9 @@ void Tell(const FittedDesign& fitted, const templates::Template& function, bool 
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     v1::ParameterValue& value = *told->add_parameters();
     value.set_name(parameters[i].name);
-    value.set_value(fitted.q[static_cast<Eigen::Index>(i)]);
+    const double fit = fitted.q[static_cast<Eigen::Index>(i)];
+    value.set_value(parametric::IsWhole(parameters[i]) ? std::round(fit) : fit);
+    value.set_choice(parametric::ChoiceAt(parameters[i], value.value()));
   }
   told->set_remaining(fitted.remaining.root_mean_square);
   told->set_remaining_95(fitted.remaining.percentile_95);

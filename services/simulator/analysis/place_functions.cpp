@@ -154,6 +154,13 @@ std::optional<mesh::NamedFace> FindFace(const DesignModel& model, const std::str
 
 namespace {
 
+// How many faces the condition of this name acts on; 0 if there is none.
+int CopiesOf(const DesignModel& model, const std::string& name) {
+  return static_cast<int>(
+      std::count_if(model.condition_faces.begin(), model.condition_faces.end(),
+                    [&name](const auto& condition) { return condition.first == name; }));
+}
+
 // Says that there is no such place, and which faces there are.
 std::string NoPlace(const mesh::AssemblySurface& surface, const std::string& name) {
   std::vector<std::string> names;
@@ -174,6 +181,12 @@ PlaceFunctions::PlaceFunctions(const parametric::MetricExpressions& own,
 absl::StatusOr<MetricPlace> PlaceFunctions::Find(const std::string& name) const {
   MORTISE_ASSIGN_OR_RETURN(const auto point, own_.PointAt(name, parameters_));
   if (point) return MetricPlace{.point = point->position};
+  if (const int copies = CopiesOf(model_, name); copies > 1) {
+    return InvalidField(kField,
+                        absl::StrCat("'", name, "' acts on ", copies,
+                                     " copies of a part: name the face of one, as '",
+                                     FaceText(model_.surface, *FindFace(model_, name)), "'"));
+  }
   if (const auto face = FindFace(model_, name)) return MetricPlace{.point = {}, .face = *face};
   return InvalidField(kField, NoPlace(model_.surface, name));
 }
@@ -189,7 +202,8 @@ absl::StatusOr<MetricPlace> PlaceFunctions::PlaceOf(const MetricCall& call) cons
                                              Told(model_.surface.part_names)));
   }
   absl::StatusOr<MetricPlace> place = Find(name);
-  if (kind == Kind::kAny && !place.ok() && !own_.HasPoint(name)) {
+  const bool is_none = !place.ok() && !own_.HasPoint(name) && CopiesOf(model_, name) == 0;
+  if (kind == Kind::kAny && is_none) {
     if (part) return MetricPlace{.point = {}, .part = part};
     return InvalidField(kField, absl::StrCat(NoPlace(model_.surface, name), "; parts are ",
                                              Told(model_.surface.part_names)));

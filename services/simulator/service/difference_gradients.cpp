@@ -1,6 +1,7 @@
 #include "services/simulator/service/difference_gradients.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
@@ -11,6 +12,10 @@ namespace {
 constexpr double kMinStep = 1e-6;
 constexpr double kMaxStep = 0.1;
 constexpr int kMaxDesigns = 20000;  // of a batch, with those beside its points
+
+bool IsWhole(const v1::DesignSpace::DesignParameter& parameter) {
+  return parameter.step() == 1 && parameter.minimum() == std::round(parameter.minimum());
+}
 
 }  // namespace
 
@@ -37,10 +42,14 @@ std::vector<DifferenceStencil> StencilsAround(const v1::DesignSpace& space,
   for (int k = 0; k < space.parameters_size(); ++k) {
     const double below = point.parameters(k) - space.parameters(k).minimum();
     const double above = space.parameters(k).maximum() - point.parameters(k);
-    const double distance = step * (below + above);
+    double distance = step * (below + above);
     DifferenceStencil& stencil = stencils.emplace_back();
-    // Nothing lies between two choices.
+    // Nothing lies between two choices, and between whole numbers no number that designs have.
     if (!(distance > 0) || !space.parameters(k).choices().empty()) continue;
+    if (IsWhole(space.parameters(k))) {
+      distance = std::max(1.0, std::round(distance));
+      if (std::max(below, above) < 2 * distance && std::min(below, above) < distance) continue;
+    }
     if (below >= distance && above >= distance) {
       stencil.offsets = {-distance, distance};
     } else if (above > below) {

@@ -41,6 +41,7 @@ EvaluationSubject SubjectOf(const EvaluatedTemplate& compiled,
     described->set_maximum(parameter.maximum);
     described->set_default_value(parameter.default_value);
     described->set_step(parameter.step);
+    for (const std::string& choice : parameter.choices) described->add_choices(choice);
   }
   for (const MetricDescription& metric : MetricsOf(*compiled.design_template)) {
     auto* described = space.add_metrics();

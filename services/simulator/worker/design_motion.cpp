@@ -52,7 +52,8 @@ bool IsAlike(const EvaluatedDesign& a, const EvaluatedDesign& b) {
   const auto second = BearingParts(b);
   return std::equal(first.begin(), first.end(), second.begin(), second.end(),
                     [](const EvaluatedPart* one, const EvaluatedPart* other) {
-                      return one->name == other->name && one->axis == other->axis &&
+                      return one->name == other->name && one->item == other->item &&
+                             one->axis == other->axis &&
                              one->outline.cols() == other->outline.cols() &&
                              one->face_names == other->face_names;
                     }) &&
@@ -63,6 +64,7 @@ bool IsAlike(const EvaluatedDesign& a, const EvaluatedDesign& b) {
 absl::StatusOr<Stencil> StencilOf(const templates::Template& function, const Eigen::VectorXd& at,
                                   const EvaluatedDesign& design, std::size_t index) {
   const parametric::Parameter& parameter = function.parameters()[index];
+  if (parameter.IsChoice()) return Stencil{{design}, {0}};
   const double h = kStep * (parameter.maximum - parameter.minimum);
   const double value = at[static_cast<Eigen::Index>(index)];
   std::vector<double> steps{-h, h};
@@ -75,7 +77,13 @@ absl::StatusOr<Stencil> StencilOf(const templates::Template& function, const Eig
   for (const double step : steps) {
     Eigen::VectorXd q = at;
     q[static_cast<Eigen::Index>(index)] += step;
-    MORTISE_ASSIGN_OR_RETURN(EvaluatedDesign moved, function.Evaluate(q));
+    absl::StatusOr<EvaluatedDesign> beside = function.Evaluate(q);
+    if (!beside.ok()) {
+      // What is counted by a whole number has no design beside it, and stays as it is.
+      if (parametric::IsWhole(parameter)) return Stencil{{design}, {0}};
+      return beside.status();
+    }
+    EvaluatedDesign moved = *std::move(beside);
     if (!IsAlike(design, moved)) {
       return PreconditionFailed(
           kReason, absl::StrCat("a small change of ", parameter.name, " changes its parts"),

@@ -13,7 +13,7 @@ absl::StatusOr<parametric::MetricExpressions> CustomMetricsOf(const EvaluatedTem
   if (definitions.IsEmpty() && compiled.metrics.IsEmpty()) return parametric::MetricExpressions();
   std::vector<parametric::NamedUnit> parameters;
   for (const parametric::Parameter& parameter : compiled.design_template->parameters()) {
-    parameters.push_back({parameter.name, parameter.unit});
+    parameters.push_back({parameter.name, parameter.unit, parameter.choices});
   }
   std::vector<FieldViolation> findings;
   parametric::MetricExpressions expressions(definitions, compiled.metrics, parameters,

@@ -89,6 +89,7 @@ void FillAnalysis(const DesignAnalysis& analysis, const DesignModel& model,
     auto* parameter = message.add_parameters();
     parameter->set_name(value.name);
     parameter->set_value(value.value);
+    parameter->set_choice(value.choice);
   }
   if (analysis.mesh) FillCases(analysis, model, message);
   if (analysis.heat) Fill(OutcomeOf(*analysis.heat), *message.mutable_heat());

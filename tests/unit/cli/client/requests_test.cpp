@@ -70,6 +70,21 @@ TEST(Requests, LengthsAreDecimal) {
   EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
 }
 
+// What begins as no number does is the name of a choice's value; the service knows which there are.
+TEST(Requests, ParametersAreLengthsOrNamesOfValues) {
+  const auto values = ParseParameters({"width=520mm", "armrests= both ", "top=left only"});
+  ASSERT_TRUE(values.ok()) << values.status();
+  EXPECT_EQ((*values)[0].value(), 0.52);
+  EXPECT_EQ((*values)[0].choice(), "");
+  EXPECT_EQ((*values)[1].name(), "armrests");
+  EXPECT_EQ((*values)[1].choice(), "both");
+  EXPECT_EQ((*values)[1].value(), 0);
+  EXPECT_EQ((*values)[2].choice(), "left only");
+  for (const char* const text : {"width", "=both", "width=", "width=3 yd", "width=1,5"}) {
+    EXPECT_FALSE(ParseParameters({text}).ok()) << text;
+  }
+}
+
 TEST(Requests, RefusesUnitsOfSomethingElse) {
   for (const char* const text : {"18", "18kg", "500 g", ":2kg", "100g:", "1:2kg"}) {
     EXPECT_TRUE(CheckUnit(text, "kg", "--limit mass").ok()) << text;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
+#include <vector>
 
 #include "tests/support/status_assertions.h"
 #include "tests/unit/services/retrieval/cover/known_manifolds.h"
@@ -35,6 +37,27 @@ TEST(Manifold, ExtentsAreThoseOfTheFeasibleSet) {
   ASSERT_OK_AND_ASSIGN(const VectorXd extents, ExtentsOf(UnitTriangle()));
   EXPECT_NEAR(extents[0], 1, 1e-9);
   EXPECT_NEAR(extents[1], 1, 1e-9);
+}
+
+// Nothing lies between whole numbers: samples have none, and what is asked between them is what is
+// at the nearest.
+TEST(Manifold, WholeNumbersAreRounded) {
+  ManifoldFunctions functions = testing::Paraboloid();
+  functions.lower = Vector2d(-1, -1);
+  functions.upper = Vector2d(1, 2);
+  functions.whole = {false, true};
+  functions.structure = [](const VectorXd& q) { return static_cast<int>(q[1]) + 2; };
+  const FunctionManifold manifold(functions);
+  ASSERT_OK_AND_ASSIGN(const std::vector<VectorXd> samples, manifold.Sample(200, 3));
+  std::set<double> whole;
+  for (const VectorXd& q : samples) {
+    whole.insert(q[1]);
+    ASSERT_OK_AND_ASSIGN(const VectorXd at, manifold.Evaluate(q));
+    ASSERT_OK_AND_ASSIGN(const VectorXd beside, manifold.Evaluate(q + Vector2d(0, 0.4)));
+    EXPECT_EQ(at, beside);
+    EXPECT_EQ(manifold.Structure(q + Vector2d(0, -0.4)), static_cast<int>(q[1]) + 2);
+  }
+  EXPECT_EQ(whole, (std::set<double>{-1, 0, 1, 2}));
 }
 
 TEST(Manifold, UnboundedSetsAreRefused) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "common/base/random.h"
 #include "common/design/parameter_values.h"
 #include "common/templates/template_codec.h"
@@ -30,6 +33,17 @@ TEST(ParameterDomainTest, IsTheBoxWhereNothingCutsIt) {
     EXPECT_EQ(domain->lower[static_cast<Eigen::Index>(i)], table->parameters()[i].minimum);
     EXPECT_EQ(domain->upper[static_cast<Eigen::Index>(i)], table->parameters()[i].maximum);
   }
+}
+
+TEST(ParameterDomainTest, TellsWhatTakesWholeNumbersAlone) {
+  const auto armchair = Compiled(templates::ShippedTemplate("templates/armchair"));
+  const auto domain = DomainOf(*armchair);
+  ASSERT_TRUE(domain.ok()) << domain.status();
+  std::vector<std::string> whole;
+  for (std::size_t i = 0; i < armchair->parameters().size(); ++i) {
+    if (domain->whole[i]) whole.push_back(armchair->parameters()[i].name);
+  }
+  EXPECT_EQ(whole, (std::vector<std::string>{"armrests", "wood", "splats"}));
 }
 
 // What the cuts leave can be made, and what they take cannot.

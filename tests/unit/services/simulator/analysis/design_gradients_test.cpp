@@ -175,6 +175,34 @@ TEST(DesignGradients, OfACantileverAreThoseOfBeamTheory) {
   }
 }
 
+// Along a choice, and a whole number that counts parts, nothing changes; along the others all is as
+// without them.
+TEST(DesignGradients, LeaveChoicesAndCountsAsTheyAre) {
+  v1::TemplateBundle bundle = Cantilever(
+      "-20",
+      "parameters { name: 'bars' unit: '1' minimum: 1 maximum: 3 default_value: 1 step: 1 } "
+      "parameters { name: 'load' choices: 'light' choices: 'heavy' default_value: 1 } ");
+  v1::Template& varied = *bundle.mutable_template_();
+  varied.mutable_parts(0)->add_repeat()->set_count("bars");
+  varied.mutable_parts(0)->mutable_repeat(0)->set_y("1");
+  varied.mutable_boundary_conditions(1)->set_components(2, "if(load == 'heavy', -20, -10)");
+  const Subject beam = SubjectOf(bundle, "");
+  const Subject plain = SubjectOf(Cantilever("-20"), "");
+  const std::vector<std::string> metrics = {"compliance", "mass"};
+  const DesignAnalysis analysis = WithGradients(beam, beam.Defaults(), metrics, 0.04, true);
+  const DesignAnalysis alike = WithGradients(plain, plain.Defaults(), metrics, 0.04, true);
+  for (std::size_t m = 0; m < metrics.size(); ++m) {
+    const Eigen::VectorXd& gradient = analysis.gradients[m].values;
+    ASSERT_EQ(gradient.size(), 5);
+    for (int k = 0; k < 3; ++k) {
+      const double expected = alike.gradients[m].values[k];
+      EXPECT_NEAR(gradient[k], expected, 1e-6 * std::abs(expected));
+    }
+    EXPECT_EQ(gradient[3], 0);
+    EXPECT_EQ(gradient[4], 0);
+  }
+}
+
 TEST(DesignGradients, AreThoseOfDifferencesOnTheMeshThatMovesAlong) {
   const std::string pressed =
       "boundary_conditions { name: 'wind' kind: PRESSURE part: 'bar' face: 'y_max' "

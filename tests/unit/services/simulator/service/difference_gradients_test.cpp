@@ -78,6 +78,36 @@ TEST(DifferenceGradients, AreZeroWhereNothingCanChange) {
   EXPECT_EQ(SlopeAt(1, stencils[1], {std::nullopt, std::nullopt}), 0.0);
 }
 
+// A count of 2 to 6 and a choice: between whole numbers there are no designs.
+TEST(DifferenceGradients, GoFromWholeNumberToWholeNumber) {
+  v1::DesignSpace space;
+  auto& count = *space.add_parameters();
+  count.set_minimum(2);
+  count.set_maximum(6);
+  count.set_step(1);
+  auto& choice = *space.add_parameters();
+  choice.set_maximum(1);
+  choice.set_step(1);
+  choice.add_choices("none");
+  choice.add_choices("both");
+  const auto offsets = [&](double at) {
+    v1::DesignPoint point;
+    point.add_parameters(at);
+    point.add_parameters(1);
+    const auto stencils = StencilsAround(space, point, 0.01);
+    EXPECT_TRUE(stencils[1].IsEmpty());
+    return stencils[0].offsets;
+  };
+  EXPECT_EQ(offsets(4), (std::array<double, 2>{-1, 1}));
+  EXPECT_EQ(offsets(2), (std::array<double, 2>{1, 2}));
+  EXPECT_EQ(offsets(6), (std::array<double, 2>{-1, -2}));
+  space.mutable_parameters(0)->set_maximum(3);  // two whole numbers make no parabola
+  v1::DesignPoint point;
+  point.add_parameters(2);
+  point.add_parameters(0);
+  EXPECT_TRUE(StencilsAround(space, point, 0.01)[0].IsEmpty());
+}
+
 TEST(DifferenceGradients, AreRefusedByName) {
   v1::EvaluateBatchRequest asked;
   asked.set_difference_step(0.01);
