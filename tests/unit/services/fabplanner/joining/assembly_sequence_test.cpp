@@ -68,7 +68,7 @@ TEST(AssemblySequenceTest, EveryPartIsAddedOnceWhateverThePriorities) {
 // Copies of a part, each joined to its own neighbour by the same connection, are told once.
 TEST(AssemblySequenceTest, CountsCopiesThatAreJoinedAlike) {
   Design design;
-  for (const std::string& name : {"rail 1", "rail 2", "leg 1", "leg 2", "top"}) {
+  for (const std::string name : {"rail 1", "rail 2", "leg 1", "leg 2", "top"}) {
     design.parts.push_back(
         BoxPart(name, "items/leg-45", CutProcess::kNone, {0, 0, 0}, {1, 1, 1}, 0, 2));
     design.parts.back().title = name.substr(0, name.find(' '));
