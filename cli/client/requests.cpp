@@ -8,10 +8,12 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
 #include "absl/types/span.h"
 #include "common/base/decimal_number.h"
 #include "common/base/digest.h"
@@ -31,59 +33,113 @@ struct Unit {
   absl::string_view si;  // the SI unit of what is said with it
 };
 
-constexpr Unit kQuantities[] = {{"m", 1, "m"},
-                                {"cm", 10 * kMillimetre, "m"},
-                                {"mm", kMillimetre, "m"},
-                                {"deg", M_PI / 180, "rad"}};
-constexpr Unit kMetricUnits[] = {{"m", 1, "m"},
-                                 {"cm", 10 * kMillimetre, "m"},
-                                 {"mm", kMillimetre, "m"},
-                                 {"kg", 1, "kg"},
-                                 {"g", 1e-3, "kg"},
-                                 {"Pa", 1, "Pa"},
-                                 {"kPa", 1e3, "Pa"},
-                                 {"MPa", kMegapascal, "Pa"},
-                                 {"GPa", 1e9, "Pa"},
-                                 {"N", 1, "N"},
-                                 {"kN", 1e3, "N"},
-                                 {"Hz", 1, "Hz"},
-                                 {"kHz", 1e3, "Hz"}};
+constexpr double kInch = 25.4 * kMillimetre;
+
+constexpr Unit kLengths[] = {{"m", 1, "m"},
+                             {"cm", 10 * kMillimetre, "m"},
+                             {"mm", kMillimetre, "m"},
+                             {"in", kInch, "m"},
+                             {"\"", kInch, "m"}};
+constexpr Unit kAngles[] = {{"deg", M_PI / 180, "rad"}, {"rad", 1, "rad"}};
+constexpr Unit kOthersOfMetrics[] = {
+    {"kg", 1, "kg"},    {"g", 1e-3, "kg"},          {"Pa", 1, "Pa"},
+    {"kPa", 1e3, "Pa"}, {"MPa", kMegapascal, "Pa"}, {"GPa", 1e9, "Pa"},
+    {"N", 1, "N"},      {"kN", 1e3, "N"},           {"Hz", 1, "Hz"},
+    {"kHz", 1e3, "Hz"}};
+
+using Units = std::vector<Unit>;
+
+Units Together(absl::Span<const Unit> some, absl::Span<const Unit> others) {
+  Units all(some.begin(), some.end());
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+Units UnitsOfMetrics() { return Together(kLengths, kOthersOfMetrics); }
+
+// A number as it is said, and the unit behind it, which may be empty.
+struct SaidQuantity {
+  double number;
+  absl::string_view unit;
+};
+
+// "1/8", "1 3/4" or "-1/8"; nothing for what has no fraction.
+std::optional<double> FractionOf(absl::string_view text) {
+  const double sign = absl::ConsumePrefix(&text, "-") ? -1 : 1;
+  const std::size_t space = text.rfind(' ');
+  const bool has_whole = space != absl::string_view::npos;
+  const std::vector<absl::string_view> halves =
+      absl::StrSplit(has_whole ? text.substr(space + 1) : text, '/');
+  if (halves.size() != 2) return std::nullopt;
+  unsigned whole = 0, numerator = 0, denominator = 0;
+  const bool are_numbers = (!has_whole || absl::SimpleAtoi(text.substr(0, space), &whole)) &&
+                           absl::SimpleAtoi(halves[0], &numerator) &&
+                           absl::SimpleAtoi(halves[1], &denominator) && denominator > 0;
+  if (!are_numbers) return std::nullopt;
+  return sign * (whole + static_cast<double>(numerator) / denominator);
+}
+
+// Nothing if the text begins with no number.
+std::optional<SaidQuantity> Said(absl::string_view text) {
+  const absl::string_view whole = absl::StripAsciiWhitespace(text);
+  for (const absl::string_view inch : {"in", "\""}) {
+    if (!absl::EndsWith(whole, inch)) continue;
+    const absl::string_view before = whole.substr(0, whole.size() - inch.size());
+    const auto fraction = FractionOf(absl::StripAsciiWhitespace(before));
+    if (fraction) return SaidQuantity{*fraction, inch};
+  }
+  const auto number = DecimalNumberPrefix(std::string_view(whole.data(), whole.size()));
+  if (!number) return std::nullopt;
+  return SaidQuantity{number->value, absl::StripAsciiWhitespace(whole.substr(number->length))};
+}
+
+std::string NamesOf(absl::Span<const Unit> units) {
+  return absl::StrJoin(units, ", ",
+                       [](std::string* out, const Unit& unit) { absl::StrAppend(out, unit.name); });
+}
 
 // The units that the values of a range, or one value, are said with.
-std::vector<const Unit*> UnitsOf(const std::string& text) {
-  std::vector<const Unit*> said;
+Units UnitsSaid(const std::string& text) {
+  Units units;
   for (const absl::string_view value : absl::StrSplit(text, ':')) {
-    const absl::string_view whole = absl::StripAsciiWhitespace(value);
-    const auto number = DecimalNumberPrefix(std::string_view(whole.data(), whole.size()));
-    if (!number) continue;
-    const absl::string_view name = absl::StripAsciiWhitespace(whole.substr(number->length));
-    for (const Unit& unit : kMetricUnits) {
-      if (unit.name == name) said.push_back(&unit);
+    const std::optional<SaidQuantity> said = Said(value);
+    if (!said) continue;
+    for (const Unit& unit : UnitsOfMetrics()) {
+      if (unit.name == said->unit) units.push_back(unit);
     }
   }
-  return said;
+  return units;
 }
 
 absl::StatusOr<double> ParseWithUnit(const std::string& text, const std::string& field,
                                      absl::Span<const Unit> units) {
-  const absl::string_view whole = absl::StripAsciiWhitespace(text);
-  const auto number = DecimalNumberPrefix(std::string_view(whole.data(), whole.size()));
-  if (!number) return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
-  const absl::string_view name = absl::StripAsciiWhitespace(whole.substr(number->length));
-  if (name.empty()) return number->value;
+  const std::optional<SaidQuantity> said = Said(text);
+  if (!said) return InvalidField(field, absl::StrCat("'", text, "' is not a number"));
+  if (said->unit.empty()) return said->number;
   // No unit has digits: 0x10, 1_000 and 1,5 are other notations of numbers.
-  if (std::any_of(name.begin(), name.end(),
+  if (std::any_of(said->unit.begin(), said->unit.end(),
                   [](unsigned char c) { return absl::ascii_isdigit(c); })) {
-    return InvalidField(field, absl::StrCat("'", text, "' is no decimal number, such as 12.5"));
+    return InvalidField(field, absl::StrCat("'", text, "' is no decimal number, such as 12.5",
+                                            units.front().name, "; units: ", NamesOf(units)));
   }
   for (const Unit& unit : units) {
-    if (unit.name == name) return number->value * unit.size;
+    if (unit.name == said->unit) return said->number * unit.size;
   }
   return InvalidField(
-      field, absl::StrCat("'", name, "' is not a unit known here: ",
-                          absl::StrJoin(units, ", ", [](std::string* out, const Unit& unit) {
-                            absl::StrAppend(out, unit.name);
-                          })));
+      field, absl::StrCat("'", said->unit, "' is not a unit known here: ", NamesOf(units)));
+}
+
+// As ParseWithUnit, of a quantity whose unit can only be one of `units`.
+absl::StatusOr<double> ParseKind(const std::string& text, const std::string& field,
+                                 absl::string_view kind, absl::Span<const Unit> units,
+                                 absl::Span<const Unit> of_others) {
+  const std::optional<SaidQuantity> said = Said(text);
+  const bool is_of_other = said && std::ranges::any_of(of_others, [&](const Unit& unit) {
+                             return unit.name == said->unit;
+                           });
+  if (!is_of_other) return ParseWithUnit(text, field, units);
+  return InvalidField(field,
+                      absl::StrCat("'", text, "' is not ", kind, ", which is in ", NamesOf(units)));
 }
 
 // What `text` ends with behind its last dot; nothing if it has none.
@@ -117,23 +173,31 @@ bool IsNameOfValue(absl::string_view text) {
 }
 
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field) {
-  return ParseWithUnit(text, field, kQuantities);
+  return ParseWithUnit(text, field, Together(kLengths, kAngles));
+}
+
+absl::StatusOr<double> ParseLength(const std::string& text, const std::string& field) {
+  return ParseKind(text, field, "a length", kLengths, kAngles);
+}
+
+absl::StatusOr<double> ParseAngle(const std::string& text, const std::string& field) {
+  return ParseKind(text, field, "an angle", kAngles, kLengths);
 }
 
 absl::StatusOr<double> ParseMetricValue(const std::string& text, const std::string& field) {
-  return ParseWithUnit(text, field, kMetricUnits);
+  return ParseWithUnit(text, field, UnitsOfMetrics());
 }
 
 absl::Status CheckUnit(const std::string& text, const std::string& unit, const std::string& field) {
-  for (const Unit* const said : UnitsOf(text)) {
-    if (said->si == unit) continue;
-    return InvalidField(field, absl::StrCat("'", said->name, "' is no unit of it: it is in ",
+  for (const Unit& said : UnitsSaid(text)) {
+    if (said.si == unit) continue;
+    return InvalidField(field, absl::StrCat("'", said.name, "' is no unit of it: it is in ",
                                             unit.empty() ? "1" : unit));
   }
   return absl::OkStatus();
 }
 
-bool HasUnit(const std::string& text) { return !UnitsOf(text).empty(); }
+bool HasUnit(const std::string& text) { return !UnitsSaid(text).empty(); }
 
 absl::StatusOr<NamedRange> ParseRange(const std::string& text, const std::string& option,
                                       ValueParser& parse) {
@@ -216,7 +280,7 @@ absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text) {
   }
   CutLastWord(name);
   measure.set_element(name);
-  MORTISE_ASSIGN_OR_RETURN(const double value, ParseQuantity(text.substr(split + 1), source));
+  MORTISE_ASSIGN_OR_RETURN(const double value, ParseLength(text.substr(split + 1), source));
   demand.set_value(value);
   return demand;
 }

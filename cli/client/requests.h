@@ -23,9 +23,15 @@
 namespace mortise::cli {
 
 // Reads a number with an optional unit of a length or an angle: "1.2", "1.2 m", "1200mm", "120cm",
-// "45deg". It is in SI.
-// INVALID_ARGUMENT naming `field`.
+// "0.5in", "45deg"; inches (in or ") also as fractions: 1/8", "1 3/4 in". It is in SI.
+// INVALID_ARGUMENT naming `field`, and the units where the text has none of them.
 absl::StatusOr<double> ParseQuantity(const std::string& text, const std::string& field);
+
+// Reads a length in the same way, in metres: an angle is refused.
+absl::StatusOr<double> ParseLength(const std::string& text, const std::string& field);
+
+// Reads an angle in the same way, in radians: a length is refused.
+absl::StatusOr<double> ParseAngle(const std::string& text, const std::string& field);
 
 // Reads a metric in the same way: with a length, a mass (kg, g), a pressure (Pa, kPa, MPa, GPa), a
 // force (N, kN) or a frequency (Hz, kHz) as unit, in SI.
@@ -61,7 +67,7 @@ absl::StatusOr<std::vector<v1::ParameterValue>> ParseParameters(
     const std::vector<std::string>& assignments);
 
 // Reads what somebody asks of an element of an assembly: "shelf 1.x=1200mm" for its size along an
-// axis, or "leg.z.maximum=0.7", with size, center, minimum or maximum; the value as ParseQuantity
+// axis, or "leg.z.maximum=0.7", with size, center, minimum or maximum; the value as ParseLength
 // reads it. INVALID_ARGUMENT naming "--set TEXT".
 absl::StatusOr<v1::MeasureDemand> ParseDemand(const std::string& text);
 

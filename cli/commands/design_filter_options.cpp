@@ -22,7 +22,7 @@ absl::StatusOr<v1::Vector3> SizeOf(const std::string& text, const std::string& f
   std::vector<double> lengths;
   for (const std::string& piece : pieces) {
     const std::string length(absl::StripAsciiWhitespace(piece));
-    MORTISE_ASSIGN_OR_RETURN(lengths.emplace_back(), ParseQuantity(length, flag));
+    MORTISE_ASSIGN_OR_RETURN(lengths.emplace_back(), ParseLength(length, flag));
   }
   lengths.resize(3, lengths.front());
   v1::Vector3 size;

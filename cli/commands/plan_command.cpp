@@ -72,17 +72,21 @@ absl::Status AddRules(const PlanOptions& options, v1::CreatePlanRequest& request
   const struct {
     const std::string& text;
     const char* flag;
+    ValueParser& parse;
     void (v1::WorkshopRules::*set)(double);
-  } rules[] = {{options.kerf, "--kerf", &v1::WorkshopRules::set_kerf},
-               {options.board_trim, "--board-trim", &v1::WorkshopRules::set_board_trim},
-               {options.sheet_trim, "--sheet-trim", &v1::WorkshopRules::set_sheet_trim},
-               {options.sheet_spacing, "--sheet-spacing", &v1::WorkshopRules::set_sheet_spacing},
-               {options.mitre_limit, "--mitre-limit", &v1::WorkshopRules::set_mitre_limit},
-               {options.bevel_limit, "--bevel-limit", &v1::WorkshopRules::set_bevel_limit},
-               {options.jigsaw_radius, "--jigsaw-radius", &v1::WorkshopRules::set_jigsaw_radius}};
-  for (const auto& [text, flag, set] : rules) {
+  } rules[] = {
+      {options.kerf, "--kerf", ParseLength, &v1::WorkshopRules::set_kerf},
+      {options.board_trim, "--board-trim", ParseLength, &v1::WorkshopRules::set_board_trim},
+      {options.sheet_trim, "--sheet-trim", ParseLength, &v1::WorkshopRules::set_sheet_trim},
+      {options.sheet_spacing, "--sheet-spacing", ParseLength,
+       &v1::WorkshopRules::set_sheet_spacing},
+      {options.mitre_limit, "--mitre-limit", ParseAngle, &v1::WorkshopRules::set_mitre_limit},
+      {options.bevel_limit, "--bevel-limit", ParseAngle, &v1::WorkshopRules::set_bevel_limit},
+      {options.jigsaw_radius, "--jigsaw-radius", ParseLength,
+       &v1::WorkshopRules::set_jigsaw_radius}};
+  for (const auto& [text, flag, parse, set] : rules) {
     if (text.empty()) continue;
-    MORTISE_ASSIGN_OR_RETURN(const double quantity, ParseQuantity(text, flag));
+    MORTISE_ASSIGN_OR_RETURN(const double quantity, parse(text, flag));
     (request.mutable_rules()->*set)(quantity);
   }
   if (options.no_compound_cuts) request.mutable_rules()->set_compound_cuts(false);

@@ -26,8 +26,7 @@ void AddEvaluationFlags(CommandFlags& flags, EvaluationFlags& options, const std
 absl::StatusOr<v1::MeshSettings> MeshOf(const EvaluationFlags& flags) {
   v1::MeshSettings mesh;
   if (!flags.element_size.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(const double size,
-                             ParseQuantity(flags.element_size, "--element-size"));
+    MORTISE_ASSIGN_OR_RETURN(const double size, ParseLength(flags.element_size, "--element-size"));
     mesh.set_element_size(size);
   }
   mesh.set_relative_error(flags.relative_error);

@@ -198,6 +198,8 @@ TEST_F(HouseTest, FaultsNameTheFlag) {
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--out", "x"}), "--out");
   EXPECT_EQ(fault({"plan", "table", "--quantity", "-1"}), "--quantity");
   EXPECT_EQ(fault({"plan", "table", "--kerf", "-3mm"}), "--kerf");
+  EXPECT_EQ(fault({"plan", "table", "--kerf", "3deg"}), "--kerf");
+  EXPECT_EQ(fault({"plan", "table", "--mitre-limit", "45mm"}), "--mitre-limit");
   EXPECT_EQ(fault({"pareto", "run", "table", "--minimize", "mass"}), "--minimize");
   EXPECT_EQ(fault({"pareto", "run", "table", "--fix", "width=0.8", "--range", "length=1:9"}, true),
             "--range length");

@@ -61,13 +61,45 @@ TEST(Requests, LengthsAreDecimal) {
   }
   // What is no unit is not blamed for what is no number.
   for (const char* const text : {"0x10", "1_000mm", "1,5 mm"}) {
-    EXPECT_EQ(ParseQuantity(text, "--set a").status().message(),
-              absl::StrCat("--set a: '", text, "' is no decimal number, such as 12.5"));
+    EXPECT_EQ(
+        ParseQuantity(text, "--set a").status().message(),
+        absl::StrCat("--set a: '", text,
+                     "' is no decimal number, such as 12.5m; units: m, cm, mm, in, \", deg, rad"));
   }
   EXPECT_EQ(ParseQuantity("3 yd", "--set a").status().message(),
-            "--set a: 'yd' is not a unit known here: m, cm, mm, deg");
+            "--set a: 'yd' is not a unit known here: m, cm, mm, in, \", deg, rad");
   EXPECT_FALSE(ParseMetricValue("0x10 kg", "--at").ok());
   EXPECT_FALSE(ParseVector("0x1, 2, 3", "--wind").ok());
+}
+
+TEST(Requests, InchesMayBeFractions) {
+  EXPECT_DOUBLE_EQ(ParseLength("1/8\"", "--kerf").value_or(0), 0.0254 / 8);
+  EXPECT_DOUBLE_EQ(ParseLength("0.125in", "--kerf").value_or(0), 0.0254 / 8);
+  EXPECT_DOUBLE_EQ(ParseLength("1 3/4 in", "--kerf").value_or(0), 1.75 * 0.0254);
+  EXPECT_DOUBLE_EQ(ParseLength("-1/8 \"", "--kerf").value_or(0), -0.0254 / 8);
+  EXPECT_DOUBLE_EQ(ParseMetricValue("1/2in", "--at").value_or(0), 0.0127);
+  // Of millimetres, or without a unit, a fraction would be a slip; and none is of nothing.
+  for (const char* const text : {"1/8", "1/8mm", "1/0in", "1/-8in", "1/2/3in", "/8in", "1//8in"}) {
+    const absl::Status status = ParseLength(text, "--kerf").status();
+    EXPECT_EQ(DetailOf(status).field, "--kerf") << text;
+  }
+  EXPECT_EQ(ParseLength("3,2mm", "--kerf").status().message(),
+            "--kerf: '3,2mm' is no decimal number, such as 12.5m; units: m, cm, mm, in, \"");
+  EXPECT_FALSE(CheckUnit("1/8\"", "kg", "--limit mass").ok());
+}
+
+TEST(Requests, LengthsAreNoAnglesNorTheOtherWayRound) {
+  EXPECT_DOUBLE_EQ(ParseLength("3mm", "--kerf").value_or(0), 0.003);
+  EXPECT_DOUBLE_EQ(ParseLength("0.003", "--kerf").value_or(0), 0.003);
+  EXPECT_DOUBLE_EQ(ParseAngle("45deg", "--mitre-limit").value_or(0), M_PI / 4);
+  EXPECT_DOUBLE_EQ(ParseAngle("0.5 rad", "--mitre-limit").value_or(0), 0.5);
+  const absl::Status angle = ParseLength("3deg", "--kerf").status();
+  EXPECT_EQ(DetailOf(angle).field, "--kerf");
+  EXPECT_EQ(angle.message(), "--kerf: '3deg' is not a length, which is in m, cm, mm, in, \"");
+  const absl::Status length = ParseAngle("45mm", "--mitre-limit").status();
+  EXPECT_EQ(DetailOf(length).field, "--mitre-limit");
+  EXPECT_EQ(length.message(), "--mitre-limit: '45mm' is not an angle, which is in deg, rad");
+  EXPECT_FALSE(ParseDemand("shelf 1.x=3deg").ok());
 }
 
 // What begins as no number does is the name of a choice's value; the service knows which there are.
