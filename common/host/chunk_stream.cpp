@@ -93,7 +93,7 @@ ChunkAssembler::ChunkAssembler(store::BlobFolder* blobs, int64_t limit)
 
 ChunkAssembler::~ChunkAssembler() = default;
 
-absl::Status ChunkAssembler::Append(const v1::Chunk& chunk) {
+absl::Status ChunkAssembler::Check(const v1::Chunk& chunk) const {
   if (chunk.offset() != received_) {
     return InvalidField("offset",
                         absl::StrCat("must be ", received_, ", the end of the last chunk"));
@@ -101,21 +101,26 @@ absl::Status ChunkAssembler::Append(const v1::Chunk& chunk) {
   if (chunk.data().size() > kMaxChunk) {
     return InvalidField("data", "must be at most 1 MiB in each chunk");
   }
+  if (!writer_ && chunk.total_size() < 0) {
+    return InvalidField("total_size", "must not be negative");
+  }
+  const int64_t total_size = writer_ ? total_size_ : chunk.total_size();
+  if (total_size > limit_) return TooLarge("total_size", absl::StrCat(limit_, " bytes"));
+  if (received_ + static_cast<int64_t>(chunk.data().size()) > total_size) {
+    return InvalidField("data", absl::StrCat("goes past the total_size of ", total_size));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ChunkAssembler::Append(const v1::Chunk& chunk) {
+  MORTISE_RETURN_IF_ERROR(Check(chunk));
   if (!writer_) {
-    if (chunk.total_size() < 0) return InvalidField("total_size", "must not be negative");
-    if (chunk.total_size() > limit_) {
-      return TooLarge("total_size", absl::StrCat(limit_, " bytes"));
-    }
     total_size_ = chunk.total_size();
     sha256_ = chunk.sha256();
     MORTISE_ASSIGN_OR_RETURN(writer_, blobs_->Write());
   }
-  const auto size = static_cast<int64_t>(chunk.data().size());
-  if (received_ + size > total_size_) {
-    return InvalidField("data", absl::StrCat("goes past the total_size of ", total_size_));
-  }
   MORTISE_RETURN_IF_ERROR(writer_->Append(chunk.data()));
-  received_ += size;
+  received_ += static_cast<int64_t>(chunk.data().size());
   return absl::OkStatus();
 }
 

@@ -58,6 +58,9 @@ class ChunkAssembler {
   // total_size.
   absl::Status Append(const v1::Chunk& chunk);
 
+  // Fails as Append would, and takes nothing.
+  absl::Status Check(const v1::Chunk& chunk) const;
+
   // Returns the digest of the whole, when all of it has come; the blob is not in its place yet.
   // INVALID_ARGUMENT if bytes are missing or differ from `sha256`: nothing is kept then.
   absl::StatusOr<std::string> Digest() const;

@@ -58,27 +58,31 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
       [&use](const std::string& digest) { return use.named.contains(digest); });
 }
 
-absl::StatusOr<store::RemovedBlobs> RemoveOldestFiles(store::Store& store,
-                                                      operations::Operations& operations,
-                                                      const std::filesystem::path& folder,
-                                                      const NamedFiles& named, double bytes) {
+absl::StatusOr<TidiedFiles> RemoveOldestFiles(store::Store& store,
+                                              operations::Operations& operations,
+                                              const std::filesystem::path& folder,
+                                              const NamedFiles& named, const FileRoom& room) {
   const absl::Time now = store.Now();
+  TidiedFiles tidied;
+  MORTISE_ASSIGN_OR_RETURN(std::vector<store::BlobEntry> files, store::ListBlobs(folder));
+  for (const store::BlobEntry& file : files) tidied.left += file.bytes;
+  if (tidied.left <= room.most) return tidied;
   MORTISE_ASSIGN_OR_RETURN(const FileUse use, FindUse(store, operations, named));
   const absl::Time before = std::min(now - kLeastFileLife, use.oldest_work - kClockMargin);
-  MORTISE_ASSIGN_OR_RETURN(std::vector<store::BlobEntry> files, store::ListBlobs(folder));
   std::erase_if(files, [&](const store::BlobEntry& file) {
     return file.written_at >= before || use.named.contains(file.digest);
   });
   std::ranges::sort(files, {}, &store::BlobEntry::written_at);
-  std::set<std::string> oldest;
-  double freed = 0;
-  for (std::size_t i = 0; i < files.size() && freed < bytes; ++i) {
-    freed += files[i].bytes;
-    oldest.insert(files[i].digest);
+  for (const store::BlobEntry& file : files) {
+    if (tidied.left <= room.most - room.ahead) break;
+    MORTISE_ASSIGN_OR_RETURN(const bool is_gone,
+                             store::RemoveBlobIfOld(folder, file.digest, before));
+    if (!is_gone) continue;
+    ++tidied.removed.count;
+    tidied.removed.bytes += file.bytes;
+    tidied.left -= file.bytes;
   }
-  if (oldest.empty()) return store::RemovedBlobs();
-  return store::RemoveUnusedBlobs(
-      folder, before, [&oldest](const std::string& digest) { return !oldest.contains(digest); });
+  return tidied;
 }
 
 }  // namespace mortise::rpc

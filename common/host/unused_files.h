@@ -45,12 +45,24 @@ absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,
                                                       const std::filesystem::path& folder,
                                                       const NamedFiles& named);
 
-// Removes files that nothing names, the oldest first, until they have freed at least so many bytes
-// or there are no more: none that is younger than kLeastFileLife, or than an hour before every
-// unfinished operation.
-absl::StatusOr<store::RemovedBlobs> RemoveOldestFiles(store::Store& store,
-                                                      operations::Operations& operations,
-                                                      const std::filesystem::path& folder,
-                                                      const NamedFiles& named, double bytes);
+// How much files may take together, in bytes, and how much less it shall be where that is too
+// little: finding the oldest takes a look at all of them.
+struct FileRoom {
+  double most = 0;
+  double ahead = 0;
+};
+
+struct TidiedFiles {
+  store::RemovedBlobs removed;
+  double left = 0;  // bytes of files that are there still
+};
+
+// Where files take more than `room.most`, removes those that nothing names, the oldest first, until
+// they take `room.ahead` less than that or there are no more: none that is younger than
+// kLeastFileLife, or than an hour before every unfinished operation.
+absl::StatusOr<TidiedFiles> RemoveOldestFiles(store::Store& store,
+                                              operations::Operations& operations,
+                                              const std::filesystem::path& folder,
+                                              const NamedFiles& named, const FileRoom& room);
 
 }  // namespace mortise::rpc

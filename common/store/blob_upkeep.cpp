@@ -118,6 +118,11 @@ absl::StatusOr<RemovedBlobs> RemoveUnusedBlobs(
   return removed;
 }
 
+absl::StatusOr<bool> RemoveBlobIfOld(const std::filesystem::path& folder, const std::string& digest,
+                                     absl::Time before) {
+  return RemoveIfOld(folder, folder / digest.substr(0, 2) / digest, before);
+}
+
 absl::StatusOr<RemovedBlobs> RemoveAbandonedParts(const std::filesystem::path& folder,
                                                   absl::Time before) {
   RemovedBlobs removed;

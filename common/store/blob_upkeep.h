@@ -42,6 +42,10 @@ absl::StatusOr<RemovedBlobs> RemoveUnusedBlobs(
     const std::filesystem::path& folder, absl::Time before,
     const std::function<bool(const std::string& digest)>& is_used);
 
+// Removes one such blob; returns whether it is gone by this. INTERNAL, STORAGE_FAILED.
+absl::StatusOr<bool> RemoveBlobIfOld(const std::filesystem::path& folder, const std::string& digest,
+                                     absl::Time before);
+
 // Removes parts of blobs that nobody has written to since `before`: their writers have died.
 absl::StatusOr<RemovedBlobs> RemoveAbandonedParts(const std::filesystem::path& folder,
                                                   absl::Time before);

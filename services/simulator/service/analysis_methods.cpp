@@ -17,9 +17,9 @@
 #include "common/operations/operations.h"
 #include "common/resources/resource_tags.h"
 #include "common/rpc/channel.h"
-#include "common/store/blob_upkeep.h"
 #include "services/simulator/analysis/design_analysis.h"
 #include "services/simulator/service/analysis_records.h"
+#include "services/simulator/service/file_upkeep.h"
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/worker/design_conditions.h"
 #include "services/simulator/worker/mesh_case.h"
@@ -74,7 +74,7 @@ absl::Status CheckRequest(const v1::AnalyzeDesignRequest& asked) {
 
 // Touches the file, so that it stays until the operation, which names it, is there.
 absl::Status CheckMeshFile(store::BlobFolder& blobs, const std::string& mesh_file) {
-  const absl::Status there = store::TouchBlob(blobs, mesh_file);
+  const absl::Status there = KeepYoung(blobs, mesh_file);
   if (there.ok()) return there;
   return InvalidField("mesh_file", absl::IsNotFound(there)
                                        ? "has not been uploaded"

@@ -2,12 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "common/base/errors.h"
 #include "common/host/chunk_stream.h"
 #include "common/host/file_quota.h"
 #include "common/store/blob_folder.h"
-#include "common/store/blob_upkeep.h"
+#include "services/simulator/service/file_upkeep.h"
 
 namespace mortise::simulator::methods {
 namespace {
@@ -16,31 +17,34 @@ constexpr int64_t kBlobLimit = int64_t{1} << 30;
 
 using Reader = rpc::UploadReader<v1::Chunk, v1::UploadBlobResponse>;
 
-// Receives a blob.
+// Receives a blob. It takes room as it comes: an upload that only says how large it will be takes
+// nothing from others.
 class BlobReader final : public Reader {
  public:
   BlobReader(store::BlobFolder* blobs, rpc::FileQuota* quota)
-      : assembler_(blobs, kBlobLimit), quota_(quota) {}
+      : blobs_(blobs), assembler_(blobs, kBlobLimit), quota_(quota), room_(quota) {}
 
   absl::Status OnMessage(const v1::Chunk& chunk) override {
-    // The assembler refuses what is larger.
-    if (room_ == nullptr && chunk.total_size() > 0 && chunk.total_size() <= kBlobLimit) {
-      MORTISE_ASSIGN_OR_RETURN(room_, quota_->MakeRoom(chunk.total_size()));
-    }
+    MORTISE_RETURN_IF_ERROR(assembler_.Check(chunk));
+    MORTISE_RETURN_IF_ERROR(quota_->CheckSize(chunk.total_size()));
+    MORTISE_RETURN_IF_ERROR(room_.Grow(static_cast<int64_t>(chunk.data().size())));
     return assembler_.Append(chunk);
   }
 
   absl::StatusOr<v1::UploadBlobResponse> Complete() override {
+    MORTISE_ASSIGN_OR_RETURN(const std::string digest, assembler_.Digest());
+    const bool is_new = !blobs_->Size(digest).ok();
     v1::UploadBlobResponse response;
     MORTISE_ASSIGN_OR_RETURN(*response.mutable_sha256(), assembler_.Finish());
-    if (room_ != nullptr) room_->Keep();
+    room_.Keep(is_new);
     return response;
   }
 
  private:
+  store::BlobFolder* const blobs_;
   rpc::ChunkAssembler assembler_;
   rpc::FileQuota* const quota_;
-  std::unique_ptr<rpc::FileQuota::Room> room_;
+  rpc::FileQuota::Room room_;
 };
 
 }  // namespace
@@ -53,7 +57,7 @@ absl::Status DownloadBlob(const Simulator& simulator, const rpc::Call&,
                           const v1::DownloadBlobRequest& asked,
                           const std::shared_ptr<rpc::StreamWriter<v1::Chunk>>& writer) {
   // What is fetched is not the first to go where room is wanted.
-  const absl::Status there = store::TouchBlob(*simulator.blobs, asked.sha256());
+  const absl::Status there = KeepYoung(*simulator.blobs, asked.sha256());
   if (absl::IsInvalidArgument(there)) {
     return InvalidField("sha256", "must be 64 lower-case hexadecimal digits");
   }

@@ -21,6 +21,7 @@ namespace {
 
 constexpr absl::Duration kPause = absl::Hours(1);
 constexpr int kPage = 100;
+
 absl::Status AddAnalyses(store::ReadTransaction& read, std::set<std::string>* named) {
   store::ListOptions list{.limit = kPage};
   while (true) {
@@ -64,6 +65,14 @@ rpc::NamedFiles FilesInUse() {
     return AddQuarantined(read, named);
   };
   return files;
+}
+
+absl::Status KeepYoung(store::BlobFolder& blobs, const std::string& sha256) {
+  const absl::Status touched = store::TouchBlob(blobs, sha256);
+  if (touched.ok() || absl::IsNotFound(touched) || absl::IsInvalidArgument(touched)) return touched;
+  Log(LogLevel::kWarning, "a file could not be touched, and may go before its time",
+      {{"sha256", sha256}, {"error", touched.ToString()}});
+  return absl::OkStatus();
 }
 
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,

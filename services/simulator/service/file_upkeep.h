@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "common/host/unused_files.h"
@@ -25,6 +27,11 @@ namespace mortise::simulator {
 
 // The files that stay: those that analyses, unfinished operations and quarantined tasks name.
 rpc::NamedFiles FilesInUse();
+
+// Makes a file as new as if it had just been written, so that it stays. NOT_FOUND;
+// INVALID_ARGUMENT. One that is there but cannot be touched, as on a disk that is only read, is
+// logged, and OK: whoever wants it can have it.
+absl::Status KeepYoung(store::BlobFolder& blobs, const std::string& sha256);
 
 // Removes all others, as rpc::RemoveUnusedFiles does.
 absl::StatusOr<store::RemovedBlobs> RemoveUnusedFiles(store::Store& store,

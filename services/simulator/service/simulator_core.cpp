@@ -10,10 +10,10 @@
 #include "common/base/logging.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/dispatcher.h"
-#include "common/store/blob_upkeep.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/file_upkeep.h"
 #include "services/simulator/service/task_progress.h"
 
 namespace mortise::simulator {
@@ -56,7 +56,7 @@ absl::StatusOr<v1::Material> SimulatorCore::GetMaterial(const std::string& name,
 
 bool SimulatorCore::KeepsFileOf(const v1::EvaluationResult& result) const {
   if (!result.has_design_fields()) return true;
-  return store::TouchBlob(*blobs_, result.design_fields().sha256()).ok();
+  return KeepYoung(*blobs_, result.design_fields().sha256()).ok();
 }
 
 rpc::Origin SimulatorCore::OwnOrigin(const std::string& trace_id, absl::Duration timeout) const {

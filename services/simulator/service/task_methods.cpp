@@ -13,10 +13,10 @@
 #include "common/resources/page_rule.h"
 #include "common/rpc/message_check.h"
 #include "common/rpc/status_mapping.h"
-#include "common/store/blob_upkeep.h"
 #include "services/simulator/service/design_fields_checks.h"
 #include "services/simulator/service/evaluation_subject.h"
 #include "services/simulator/service/evaluator_records.h"
+#include "services/simulator/service/file_upkeep.h"
 #include "services/simulator/service/simulator_core.h"
 #include "services/simulator/service/task_codec.h"
 #include "services/simulator/service/task_progress.h"
@@ -214,7 +214,7 @@ class Report {
   // Our own workers say themselves what is in their file.
   absl::Status CheckUploaded(const v1::EvaluationResult& result) {
     if (!result.has_design_fields()) return absl::OkStatus();
-    if (store::TouchBlob(blobs_, result.design_fields().sha256()).ok()) return absl::OkStatus();
+    if (KeepYoung(blobs_, result.design_fields().sha256()).ok()) return absl::OkStatus();
     return InvalidField("result.design_fields.sha256", "has not been uploaded");
   }
 

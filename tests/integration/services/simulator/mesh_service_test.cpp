@@ -258,6 +258,18 @@ TEST(FileQuotaTest, LetsTheOldestFilesGoAndSaysWhatWillNeverFit) {
         std::filesystem::file_time_type::clock::now() - std::chrono::minutes(30));
   }
   EXPECT_OK(download(first));
+  // What only says how large it will be takes no room from others.
+  {
+    grpc::ClientContext context;
+    v1::UploadBlobResponse response;
+    const auto writer = stub->UploadBlob(&context, &response);
+    v1::Chunk announced;
+    announced.set_total_size(9000);
+    writer->Write(announced);
+    writer->WritesDone();
+    EXPECT_EQ(DetailOf(rpc::FromGrpc(writer->Finish())).field, "total_size");
+    EXPECT_TRUE(blobs->Size(second).ok());
+  }
   const absl::StatusOr<std::string> third = upload('c', 4000);
   ASSERT_OK(third);
   EXPECT_OK(download(first));

@@ -2,17 +2,22 @@
 #include "services/simulator/service/file_upkeep.h"
 
 #include <gtest/gtest.h>
+#include <sys/fsuid.h>
 
 #include <atomic>
 #include <fstream>
 
+#include "common/base/digest.h"
 #include "common/operations/operations.h"
+#include "common/store/blob_upkeep.h"
 #include "common/store/store.h"
 #include "mortise/v1/simulator.pb.h"
 #include "services/simulator/service/analysis_operation.h"
 #include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/evaluation_tasks.h"
 #include "services/simulator/service/task_progress.h"
+#include "tests/support/status_assertions.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/common/store/store_conformance.h"
 
 namespace mortise::simulator {
@@ -74,6 +79,29 @@ class FileUpkeepTest : public ::testing::TestWithParam<Driver> {
   store::BlobFolder* blobs_ = nullptr;
   std::unique_ptr<operations::Operations> operations_;
 };
+
+// As on a disk that is only read: the link leads to a file of the administrator's, whose rights
+// this thread gives up meanwhile.
+TEST(KeepYoungTest, WhatCannotBeTouchedCanBeFetchedAllTheSame) {
+  const testing::TemporaryFolder folder;
+  const auto blobs = store::BlobFolder::Open(folder.path()).value();
+  const std::string digest = Sha256Hex("mesh");
+  const std::filesystem::path shelf = folder.path() / digest.substr(0, 2);
+  std::filesystem::create_directory(shelf);
+  std::filesystem::create_symlink("/etc/passwd", shelf / digest);
+  for (const std::filesystem::path& path : {folder.path(), shelf}) {
+    std::filesystem::permissions(path, static_cast<std::filesystem::perms>(0755));
+  }
+  constexpr int kNobody = 65534;
+  const int own = ::setfsuid(kNobody);
+  const absl::Status touched = store::TouchBlob(*blobs, digest);
+  const absl::Status kept = KeepYoung(*blobs, digest);
+  ::setfsuid(static_cast<uid_t>(own));
+  EXPECT_TRUE(absl::IsInternal(touched)) << touched;
+  EXPECT_OK(kept);
+  EXPECT_TRUE(absl::IsNotFound(KeepYoung(*blobs, Sha256Hex("none"))));
+  EXPECT_TRUE(absl::IsInvalidArgument(KeepYoung(*blobs, "none")));
+}
 
 TEST_P(FileUpkeepTest, AnUploadThatNobodyAnalysesGoesAfterADay) {
   const std::string mesh = Upload("mesh");
