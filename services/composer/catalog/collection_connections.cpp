@@ -1,7 +1,9 @@
 #include "services/composer/catalog/collection_connections.h"
 
+#include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -29,6 +31,34 @@ std::map<std::string, parametric::ItemKind> KindsOf(const Drawing& body,
   return kinds;
 }
 
+// What an item can be exchanged for: any of its material.
+const std::string& MaterialOrItem(const v1::Item& item) {
+  return item.material().empty() ? item.name() : item.material();
+}
+
+std::set<std::string> MaterialsIn(const Drawing& drawing) {
+  std::set<std::string> materials;
+  for (const v1::Item& item : drawing.bundle.items()) materials.insert(MaterialOrItem(item));
+  return materials;
+}
+
+// Whether two principals of the connection are of a material of each.
+bool MayHold(const parametric::ElementConnection& connection,
+             const std::map<std::string, std::string>& materials, const std::set<std::string>& one,
+             const std::set<std::string>& other) {
+  int of_one = 0, of_other = 0, of_either = 0;
+  for (int i = 0; i < connection.principal_count(); ++i) {
+    const std::string& item = connection.elements[static_cast<std::size_t>(i)].item;
+    const auto known = materials.find(item);
+    const std::string& material = known == materials.end() ? item : known->second;
+    const bool is_of_one = one.contains(material), is_of_other = other.contains(material);
+    of_one += is_of_one ? 1 : 0;
+    of_other += is_of_other ? 1 : 0;
+    of_either += is_of_one || is_of_other ? 1 : 0;
+  }
+  return !connection.connecting.empty() && of_one > 0 && of_other > 0 && of_either > 1;
+}
+
 }  // namespace
 
 std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& origins) {
@@ -41,9 +71,25 @@ std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& 
 
 void LeaveOutOtherItems(const v1::AssemblyBundle& items, ConnectionOrigins& origins) {
   std::erase_if(origins, [&](const auto& origin) {
-    v1::AssemblyBundle together = items;
-    return !CombineItems(origin.second.drawing->bundle, &together).ok();
+    return !CheckItems(origin.second.drawing->bundle, items).ok();
   });
+}
+
+ConnectionOrigins ThatMayHold(const ConnectionOrigins& origins, const Drawing& one,
+                              const Drawing& other) {
+  const std::set<std::string> of_one = MaterialsIn(one), of_other = MaterialsIn(other);
+  ConnectionOrigins may_hold;
+  for (const auto& [name, origin] : origins) {
+    std::map<std::string, std::string> materials;
+    for (const v1::Item& item : origin.drawing->bundle.items()) {
+      materials[item.name()] = MaterialOrItem(item);
+    }
+    const bool may = std::ranges::any_of(*origin.connections, [&](const auto& each) {
+      return MayHold(each.connection, materials, of_one, of_other);
+    });
+    if (may) may_hold.emplace(name, origin);
+  }
+  return may_hold;
 }
 
 std::map<std::string, std::string> MaterialsOf(const Drawing& body,

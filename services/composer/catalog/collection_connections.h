@@ -40,6 +40,12 @@ std::vector<const CollectionConnection*> ConnectionsIn(const ConnectionOrigins& 
 // what is carried over from them would not fit.
 void LeaveOutOtherItems(const v1::AssemblyBundle& items, ConnectionOrigins& origins);
 
+// Returns those of the assemblies that have a connection, with connecting parts, of a part that is
+// of a material of one drawing with a part of a material of the other: of no other assembly is
+// anything taken to connect what they draw. An item without a material stands for itself.
+ConnectionOrigins ThatMayHold(const ConnectionOrigins& origins, const Drawing& one,
+                              const Drawing& other);
+
 // Returns the material of each item, by name, of the assemblies and of the body of a model, whose
 // own count.
 std::map<std::string, std::string> MaterialsOf(const Drawing& body,

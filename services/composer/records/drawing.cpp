@@ -280,22 +280,29 @@ bool IsDrawnAs(const Drawing& drawing, const parametric::Assembly& assembly) {
                     });
 }
 
+absl::Status CheckItems(const v1::AssemblyBundle& from, const v1::AssemblyBundle& to) {
+  for (const v1::Item& item : from.items()) {
+    const v1::Item* const present = FindNamed(to.items(), item.name());
+    if (present == nullptr || AreAlike(*present, item)) continue;
+    return PreconditionFailed(
+        "ITEM_DIFFERS",
+        absl::StrCat(item.name(), " is of another material, size or shape in revision ",
+                     item.revision(), " than in revision ", present->revision(),
+                     ": import what is of the earlier one again"),
+        item.name());
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CombineItems(const v1::AssemblyBundle& from, v1::AssemblyBundle* to) {
+  MORTISE_RETURN_IF_ERROR(CheckItems(from, *to));
   for (const v1::Item& item : from.items()) {
     v1::Item* const present = FindNamed(to->mutable_items(), item.name());
     if (present == nullptr) {
       *to->add_items() = item;
-      continue;
+    } else if (present->revision() < item.revision()) {
+      *present = item;
     }
-    if (!AreAlike(*present, item)) {
-      return PreconditionFailed(
-          "ITEM_DIFFERS",
-          absl::StrCat(item.name(), " is of another material, size or shape in revision ",
-                       item.revision(), " than in revision ", present->revision(),
-                       ": import what is of the earlier one again"),
-          item.name());
-    }
-    if (present->revision() < item.revision()) *present = item;
   }
   for (const v1::Material& material : from.materials()) {
     v1::Material* const present = FindNamed(to->mutable_materials(), material.name());

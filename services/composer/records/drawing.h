@@ -61,9 +61,13 @@ absl::StatusOr<Drawing> DrawAnew(const std::string& name, const parametric::Asse
 // be parametrised again.
 bool IsDrawnAs(const Drawing& drawing, const parametric::Assembly& assembly);
 
+// FAILED_PRECONDITION, ITEM_DIFFERS, naming an item that is of another material, size or shape in
+// one than in the other.
+absl::Status CheckItems(const v1::AssemblyBundle& from, const v1::AssemblyBundle& to);
+
 // Adds the items and materials of `from` that `to` has not; where both have an item or material,
-// the later revision stays. FAILED_PRECONDITION, ITEM_DIFFERS, naming an item that is of another
-// material, size or shape in one than in the other: what is made of it would not be the same.
+// the later revision stays. Fails as CheckItems: what is made of such an item would not be the
+// same.
 absl::Status CombineItems(const v1::AssemblyBundle& from, v1::AssemblyBundle* to);
 
 }  // namespace mortise::composer

@@ -33,8 +33,11 @@ absl::StatusOr<ConnectionOrigins> SourcesFor(const ConnectionOrigins& drawn,
         collection.Turned(own_drawn, Eigen::Matrix3d::Identity(), is_given_up));
     sources.merge(more);
   }
+  // Turning takes long: what holds nothing of the two stays as it is drawn.
+  const ConnectionOrigins of_use =
+      turns.empty() ? ConnectionOrigins() : ThatMayHold(drawn, body, *own.drawing);
   for (const Eigen::Matrix3d& turn : turns) {
-    MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins more, collection.Turned(drawn, turn, is_given_up));
+    MORTISE_ASSIGN_OR_RETURN(ConnectionOrigins more, collection.Turned(of_use, turn, is_given_up));
     sources.merge(more);
   }
   sources[name] = {own.drawing, own.connections};

@@ -280,25 +280,30 @@ absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
   Components components(asked, sources, composer.drawings, is_late);
   Trials trials(body, *drawing, turns, sources, composer, is_late);
   options.has_time = [&] { return !call.cancelled() && patience.HasTimeForTrial(); };
+  options.is_late = is_late;
   options.trial = [&](const Suggestion& suggestion) {
     SuggestionTrial trial;
     patience.Try([&] { trial = trials.Try(suggestion); });
     return trial;
   };
   const std::vector<const CollectionConnection*> connections = ConnectionsIn(sources);
-  const std::vector<Suggestion> found = Suggest(
-      body, connections,
-      [&](const std::string& assembly, const std::string& node) {
-        return components.Get(assembly, node);
-      },
-      options);
+  const ComponentSource source = [&](const std::string& assembly, const std::string& node) {
+    return components.Get(assembly, node);
+  };
+  bool is_cut_short = false;
+  const std::vector<Suggestion> found = Suggest(body, connections, source, options, &is_cut_short);
   if (call.cancelled()) return absl::CancelledError("nobody waits for the answer any more");
+  // None would say that nothing goes there.
+  if (is_cut_short && found.empty()) {
+    return absl::DeadlineExceededError(
+        "there was no time to look at what might come next: ask again, with a later deadline");
+  }
   v1::ComponentSuggestions message;
   message.set_revision(stored.head.revision());
   for (const Suggestion& each : found) {
-    const std::string& source = each.from->source;
+    const std::string& assembly = each.from->source;
     *message.add_suggestions() =
-        ToProto(each, sources.at(source), components.PriceOf(source, each.node));
+        ToProto(each, sources.at(assembly), components.PriceOf(assembly, each.node));
   }
   return message;
 }

@@ -1,9 +1,12 @@
 #include "services/composer/suggestions/suggest.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 #include "common/assembly/model/element.h"
@@ -85,12 +88,58 @@ std::string ComponentOf(const Assembly& assembly, const Element& part, const Ele
   return node;
 }
 
+// Which items may stand for each other: each two are compared once. Of one thread.
+class ItemKinds {
+ public:
+  explicit ItemKinds(const SameMaterial& are_same) : are_same_(are_same) {}
+
+  int NumberOf(const std::string& item) {
+    const auto [known, is_new] = numbers_.try_emplace(item, static_cast<int>(names_.size()));
+    if (is_new) names_.push_back(&known->first);
+    return known->second;
+  }
+
+  bool AreSame(int item, int other) {
+    if (item == other) return true;
+    const auto [known, is_new] = same_.try_emplace({item, other}, false);
+    if (is_new) known->second = are_same_(NameOf(item), NameOf(other));
+    return known->second;
+  }
+
+ private:
+  const std::string& NameOf(int item) const { return *names_[static_cast<std::size_t>(item)]; }
+
+  const SameMaterial& are_same_;
+  std::unordered_map<std::string, int> numbers_;
+  std::vector<const std::string*> names_;
+  std::map<std::pair<int, int>, bool> same_;
+};
+
+// A principal of a connection that is alike to a part of the body.
+struct Alike {
+  const CollectionConnection* from = nullptr;
+  int there = 0;         // of its elements
+  std::size_t here = 0;  // of the body's parts
+  double distance = 0;   // m, PartDistance
+};
+
+// Which axis becomes which: all that sizes know of a turn.
+using AxesTurned = std::array<int, 3>;
+
+AxesTurned AxesOf(const Eigen::Matrix3d& turn) {
+  AxesTurned axes = {0, 0, 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    turn.col(axis).cwiseAbs().maxCoeff(&axes[static_cast<std::size_t>(axis)]);
+  }
+  return axes;
+}
+
 // A part of the collection that might be put beside one of the body.
 struct Match {
   Suggestion suggestion;
   Eigen::Vector3d move = Eigen::Vector3d::Zero();  // m, from where it is drawn
   BoundingBox room;                                // that it takes
-  std::string item;
+  int item = 0;                                    // ItemKinds
   bool overlaps_there = false;  // it reaches into the part that holds it there, too
 };
 
@@ -103,19 +152,24 @@ auto NamesOf(const Suggestion& suggestion) {
 class Search {
  public:
   Search(const Design& body, const SuggestOptions& options)
-      : options_(options), parts_(PrincipalPartsOf(body)) {
+      : options_(options), parts_(PrincipalPartsOf(body)), items_(options.same_material) {
     // Placed parts say where they are, and elements what they look like.
     for (const parametric::PlacedPart& placed : PartsOf(body)) {
       solids_.emplace_back(placed.name, placed.box, body.assembly->ShapeOf(placed), placed.stretch);
     }
   }
 
-  std::vector<Match> Matches(const std::vector<const CollectionConnection*>& connections) const {
+  // None where there was no time for all of them: the best might not be among the rest.
+  std::vector<Match> Matches(const std::vector<const CollectionConnection*>& connections) {
+    std::map<AxesTurned, std::vector<Alike>> alike;
+    for (const Eigen::Matrix3d& turn : options_.turns) alike[AxesOf(turn)];
+    FindAlike(connections, alike);
     std::vector<Match> matches;
     for (const Eigen::Matrix3d& turn : options_.turns) {
-      std::vector<Match> turned = MatchesTurned(connections, turn);
+      std::vector<Match> turned = MatchesTurned(alike.at(AxesOf(turn)), turn);
       std::move(turned.begin(), turned.end(), std::back_inserter(matches));
     }
+    if (IsLate()) return {};
     std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
       const Suggestion& x = a.suggestion;
       const Suggestion& y = b.suggestion;
@@ -127,6 +181,8 @@ class Search {
     });
     return matches;
   }
+
+  bool IsLate() const { return options_.is_late && options_.is_late(); }
 
   // Whether a component, turned already, may go where the match says, and where that is.
   bool Fits(const Assembly& component, Match& match) const {
@@ -154,17 +210,51 @@ class Search {
            other == match.suggestion.element;
   }
 
-  // The matches with the collection so turned, ranked among themselves.
-  std::vector<Match> MatchesTurned(const std::vector<const CollectionConnection*>& connections,
-                                   const Eigen::Matrix3d& turn) const {
-    const std::vector<PrincipalPart> parts = TurnedBack(parts_, turn);
-    std::vector<Match> matches;
+  // Adds what of the collection is alike to parts of the body, for each way of turning that `alike`
+  // has. What is of another material is not measured.
+  void FindAlike(const std::vector<const CollectionConnection*>& connections,
+                 std::map<AxesTurned, std::vector<Alike>>& alike) {
+    std::map<AxesTurned, std::vector<PrincipalPart>> parts;
+    for (const Eigen::Matrix3d& turn : options_.turns) {
+      const auto [turned, is_new] = parts.try_emplace(AxesOf(turn));
+      if (is_new) turned->second = TurnedBack(parts_, turn);
+    }
+    std::vector<int> items;
+    for (const PrincipalPart& part : parts_) items.push_back(items_.NumberOf(part.item));
     for (const CollectionConnection* const from : connections) {
       const parametric::ElementConnection& connection = from->connection;
       if (connection.connecting.empty()) continue;
+      if (IsLate()) return;
       for (int there = 0; there < connection.principal_count(); ++there) {
-        for (const PrincipalPart& here : parts) AddMatches(*from, there, here, turn, matches);
+        const Element& stands_for = connection.elements[static_cast<std::size_t>(there)];
+        const int item = items_.NumberOf(stands_for.item);
+        for (std::size_t here = 0; here < parts_.size(); ++here) {
+          if (!IsNear(parts_[here]) || !items_.AreSame(item, items[here])) continue;
+          for (auto& [axes, found] : alike) {
+            const double distance = RoundedDistance(parts.at(axes)[here], stands_for);
+            if (distance <= options_.alike) found.push_back({from, there, here, distance});
+          }
+        }
       }
+    }
+  }
+
+  bool IsNear(const PrincipalPart& part) const {
+    return options_.near.empty() || options_.near.contains(part.drawn_as);
+  }
+
+  double RoundedDistance(const PrincipalPart& part, const Element& other) const {
+    return kRounding *
+           std::round(PartDistance(part, other, options_.fixed_size_weight) / kRounding);
+  }
+
+  // The matches with the collection so turned, ranked among themselves.
+  std::vector<Match> MatchesTurned(const std::vector<Alike>& alike, const Eigen::Matrix3d& turn) {
+    const std::vector<PrincipalPart> parts = TurnedBack(parts_, turn);
+    std::vector<Match> matches;
+    for (const Alike& one : alike) {
+      if (IsLate()) return {};
+      AddMatches(one, parts[one.here], turn, matches);
     }
     const std::vector<Axis> turns = QuarterTurnsOf(turn);
     for (Match& match : matches) match.suggestion.turns = turns;
@@ -173,32 +263,27 @@ class Search {
   }
 
   // `here` is turned back.
-  void AddMatches(const CollectionConnection& from, int there, const PrincipalPart& here,
-                  const Eigen::Matrix3d& turn, std::vector<Match>& matches) const {
-    if (!options_.near.empty() && !options_.near.contains(here.drawn_as)) return;
+  void AddMatches(const Alike& alike, const PrincipalPart& here, const Eigen::Matrix3d& turn,
+                  std::vector<Match>& matches) {
+    const CollectionConnection& from = *alike.from;
     const std::vector<Element>& elements = from.connection.elements;
-    const Element& stands_for = elements[static_cast<std::size_t>(there)];
-    if (!options_.same_material(stands_for.item, here.item)) return;
-    const double distance =
-        kRounding *
-        std::round(PartDistance(here, stands_for, options_.fixed_size_weight) / kRounding);
-    if (distance > options_.alike) return;
+    const Element& stands_for = elements[static_cast<std::size_t>(alike.there)];
     for (int i = 0; i < from.connection.principal_count(); ++i) {
-      if (i == there) continue;
+      if (i == alike.there) continue;
       const Element& partner = elements[static_cast<std::size_t>(i)];
       Match match;
       const Eigen::Vector3d move = MoveTo(here.box, stands_for.box, partner.box);
       match.move = turn * move;
       match.room = Turned(Moved(partner.box, move), turn);
       if (IsTaken(match.room)) continue;
-      match.item = partner.item;
+      match.item = items_.NumberOf(partner.item);
       match.overlaps_there = CommonDepth(stands_for.box, partner.box) > kMaxOverlap;
       match.suggestion.from = &from;
       match.suggestion.node = ComponentOf(from.connection.assembly, partner, stands_for);
       match.suggestion.element = here.name;
       match.suggestion.element_there = stands_for.name;
       match.suggestion.partner = partner.name;
-      match.suggestion.distance = distance;
+      match.suggestion.distance = alike.distance;
       matches.push_back(std::move(match));
     }
   }
@@ -214,7 +299,7 @@ class Search {
   }
 
   // Scores the matches, of many those that are most alike.
-  void Rank(std::vector<Match>& matches) const {
+  void Rank(std::vector<Match>& matches) {
     std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
       const Suggestion& x = a.suggestion;
       const Suggestion& y = b.suggestion;
@@ -223,9 +308,10 @@ class Search {
     });
     if (matches.size() > kMaxRanked) matches.resize(kMaxRanked);
     for (Match& match : matches) {
+      if (IsLate()) return;
       std::set<std::string> assemblies, elements;
       for (const Match& other : matches) {
-        if (AreOneRoom(match.room, other.room) && options_.same_material(match.item, other.item)) {
+        if (AreOneRoom(match.room, other.room) && items_.AreSame(match.item, other.item)) {
           assemblies.insert(other.suggestion.from->source);
           elements.insert(other.suggestion.element);
         }
@@ -241,7 +327,29 @@ class Search {
 
   const SuggestOptions& options_;
   const std::vector<PrincipalPart> parts_;
+  ItemKinds items_;
   std::vector<SolidPart> solids_;
+};
+
+// Components, turned when they are first wanted so.
+class TurnedComponents {
+ public:
+  explicit TurnedComponents(const ComponentSource& components) : components_(components) {}
+
+  // Null where it cannot be had.
+  const Assembly* Get(const Suggestion& suggestion) {
+    const auto component = components_(suggestion.from->source, suggestion.node);
+    if (!component.ok()) return nullptr;
+    if (suggestion.turns.empty()) return *component;
+    const auto [turned, is_new] =
+        turned_.try_emplace({suggestion.from->source, suggestion.node, suggestion.turns});
+    if (is_new) turned->second = Turned(**component, TurnOf(suggestion.turns));
+    return &turned->second;
+  }
+
+ private:
+  const ComponentSource& components_;
+  std::map<std::tuple<std::string, std::string, std::vector<Axis>>, Assembly> turned_;
 };
 
 // Whether two suggestions are of the same component in the same room.
@@ -262,14 +370,6 @@ bool IsRefused(const std::vector<Suggestion>& refused, const Suggestion& suggest
   });
 }
 
-// Whether the match's component can be had and may go there.
-bool Fits(const Search& search, const ComponentSource& components, Match& match) {
-  const auto component = components(match.suggestion.from->source, match.suggestion.node);
-  if (!component.ok()) return false;
-  if (match.suggestion.turns.empty()) return search.Fits(**component, match);
-  return search.Fits(Turned(**component, TurnOf(match.suggestion.turns)), match);
-}
-
 }  // namespace
 
 double PartDistance(const PrincipalPart& part, const Element& other, double fixed_size_weight) {
@@ -286,13 +386,21 @@ double PartDistance(const PrincipalPart& part, const Element& other, double fixe
 
 std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
-                                const ComponentSource& components, const SuggestOptions& options) {
-  const Search search(body, options);
+                                const ComponentSource& components, const SuggestOptions& options,
+                                bool* is_cut_short) {
+  Search search(body, options);
+  TurnedComponents turned(components);
   std::vector<Suggestion> suggestions, refused;
   int tried = 0;
-  for (Match& match : search.Matches(connections)) {
+  std::vector<Match> matches = search.Matches(connections);
+  bool is_late = search.IsLate();
+  for (Match& match : matches) {
     if (static_cast<int>(suggestions.size()) >= options.count) break;
-    if (!Fits(search, components, match)) continue;
+    const Assembly* const component = turned.Get(match.suggestion);
+    // What cannot be had for want of time is no reason to say that it does not fit.
+    is_late = search.IsLate();
+    if (is_late) break;
+    if (component == nullptr || !search.Fits(*component, match)) continue;
     if (IsSuggested(suggestions, match.suggestion) || IsRefused(refused, match.suggestion)) {
       continue;
     }
@@ -314,6 +422,7 @@ std::vector<Suggestion> Suggest(const Design& body,
   }
   std::stable_sort(suggestions.begin(), suggestions.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
+  if (is_cut_short != nullptr) *is_cut_short = is_late;
   return suggestions;
 }
 

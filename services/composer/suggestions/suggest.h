@@ -57,6 +57,9 @@ struct SuggestOptions {
   // Whether there is time for one more trial; there is if it is null. What is not tried for lack of
   // time is told of as such.
   std::function<bool()> has_time = nullptr;
+  // Whether all time is over, or nobody waits any more: what is found by then is all that there is.
+  // Never if it is null. It is asked all along.
+  std::function<bool()> is_late = nullptr;
   // By which the score is multiplied of what is only held in part, and of what was not tried.
   double in_doubt = 0.5;
 };
@@ -107,11 +110,13 @@ using ComponentSource = std::function<absl::StatusOr<const parametric::Assembly*
 // - The first are tried, while there is time. What cannot be connected is left out; what is held in
 //   part, or was not tried, scores less.
 //
-// It is deterministic, whatever the order of the connections, but for `has_time`. Of many the 1000
-// that are most alike are looked at of each turn. O(turns · connections · parts), and what is asked
-// of `components` for the best.
+// It is deterministic, whatever the order of the connections, but for `has_time` and `is_late`. Of
+// many the 1000 that are most alike are looked at of each turn. O(connections · parts), for each
+// turn what is alike, and what is asked of `components` for the best. `is_cut_short`, unless null,
+// tells whether there was no time to look at all that might be suggested.
 std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
-                                const ComponentSource& components, const SuggestOptions& options);
+                                const ComponentSource& components, const SuggestOptions& options,
+                                bool* is_cut_short = nullptr);
 
 }  // namespace mortise::composer

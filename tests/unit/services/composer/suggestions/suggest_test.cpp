@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -237,6 +238,35 @@ TEST(SuggestTest, TrialsEndWithTheTime) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(again[i].node, all[i].node);
 }
 
+// Whoever asks has gone, or waits no longer: looking ends, and what was not looked at is no
+// verdict.
+TEST(SuggestTest, LookingEndsWithTheTime) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  const auto connections = ConnectionsOfAll(SomeDesigns());
+  int asked_of = 0;
+  const ComponentSource components = [&](const std::string& assembly, const std::string& node) {
+    ++asked_of;
+    return ShippedSubTree(assembly, node);
+  };
+  SuggestOptions options = Options();
+  bool is_cut_short = true;
+  const auto all = Suggest(frame, connections, components, options, &is_cut_short);
+  EXPECT_FALSE(is_cut_short);
+  ASSERT_GE(all.size(), 4U);
+  const int all_asked_of = std::exchange(asked_of, 0);
+  int checks = 0;
+  options.is_late = [&] { return ++checks > 3; };
+  EXPECT_THAT(Suggest(frame, connections, components, options, &is_cut_short), IsEmpty());
+  EXPECT_TRUE(is_cut_short);
+  EXPECT_EQ(asked_of, 0);
+  EXPECT_LT(checks, 10) << "it went on";
+  options.is_late = [&] { return asked_of > all_asked_of / 2; };
+  const auto some = Suggest(frame, connections, components, options, &is_cut_short);
+  EXPECT_TRUE(is_cut_short);
+  EXPECT_LE(asked_of, all_asked_of / 2 + 1);
+  EXPECT_LT(some.size(), all.size());
+}
+
 std::vector<Eigen::Matrix3d> QuartersAboutTheVertical() {
   std::vector<Eigen::Matrix3d> turns;
   for (std::size_t quarters = 0; quarters < 4; ++quarters) {
@@ -310,6 +340,21 @@ TEST(SuggestTest, WhatFitsAsItIsDrawnIsNotTurned) {
            (each.size - found[0].size).norm() < 0.01;
   });
   EXPECT_EQ(in_its_place, 1);
+}
+
+// However many turns and connections there are, the materials of two items are compared once.
+TEST(SuggestTest, ComparesTheMaterialsOfTwoItemsOnce) {
+  const Design frame = ShippedComponent("dining_table", "frame");
+  SuggestOptions options = Options();
+  options.turns = QuartersAboutTheVertical();
+  std::set<std::pair<std::string, std::string>> compared;
+  options.same_material = [&compared, same = Options().same_material](const std::string& item,
+                                                                      const std::string& other) {
+    EXPECT_TRUE(compared.emplace(item, other).second) << item << ", " << other;
+    return same(item, other);
+  };
+  EXPECT_THAT(Suggest(frame, ConnectionsOfAll(SomeDesigns()), ShippedSubTree, options),
+              Not(IsEmpty()));
 }
 
 // What is said to fit can be connected, and of all pairs none lacks a connection.
