@@ -50,6 +50,16 @@ std::vector<std::string> WordsOf(const std::string& text) {
   return words;
 }
 
+// The metrics that every design has, but those whose names a template has given to its own: it was
+// stored before there was such a metric, and its name goes on meaning its own.
+std::vector<NamedUnit> WithoutOwn(std::vector<NamedUnit> metrics,
+                                  const std::vector<MetricDefinition>& own) {
+  std::erase_if(metrics, [&own](const NamedUnit& metric) {
+    return std::ranges::find(own, metric.name, &MetricDefinition::name) != own.end();
+  });
+  return metrics;
+}
+
 }  // namespace
 
 MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
@@ -58,7 +68,8 @@ MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
                                      const std::vector<NamedUnit>& metrics,
                                      const std::string& field,
                                      std::vector<FieldViolation>& findings) {
-  const Known known{parameters, metrics};
+  const std::vector<NamedUnit> others = WithoutOwn(metrics, earlier.expressions);
+  const Known known{parameters, others};
   Add(earlier, "the template's " + field, known, findings);
   Add(definitions, field, known, findings);
   if (!findings.empty()) return;

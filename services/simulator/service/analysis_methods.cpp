@@ -105,10 +105,11 @@ absl::StatusOr<Physics> PhysicsOf(const parametric::EvaluatedDesign& design,
 
 // Asks for every metric that this physics gives.
 absl::Status AddMetrics(const EvaluatedTemplate& compiled, const Physics& physics, v1::Task& task) {
-  for (const MetricDescription& metric : OfferedMetrics()) {
-    if (physics.Provides(metric.source)) task.add_metrics(metric.name);
-  }
   MORTISE_ASSIGN_OR_RETURN(const parametric::MetricExpressions own, CustomMetricsOf(compiled, {}));
+  for (const MetricDescription& metric : OfferedMetrics()) {
+    const bool is_own = own.Find(metric.name) >= 0;  // of an older template
+    if (physics.Provides(metric.source) && !is_own) task.add_metrics(metric.name);
+  }
   for (const parametric::MetricDefinition& metric : own.metrics()) {
     if (physics.Meets(DemandsOf({metric.name}, own))) task.add_metrics(metric.name);
   }

@@ -44,6 +44,7 @@ EvaluationSubject SubjectOf(const EvaluatedTemplate& compiled,
     for (const std::string& choice : parameter.choices) described->add_choices(choice);
   }
   for (const MetricDescription& metric : MetricsOf(*compiled.design_template)) {
+    if (own.Find(metric.name) >= 0) continue;  // an older template's own of this name
     auto* described = space.add_metrics();
     described->set_name(metric.name);
     described->set_unit(metric.unit);

@@ -181,6 +181,29 @@ TEST(MetricExpressions, RefuseNamesThatAreTakenAndCircles) {
   EXPECT_THAT(FirstOf(FindingsOf(many)), HasSubstr("own.expressions: has 51; at most 50"));
 }
 
+// A template that was stored before there was such a metric keeps the name for its own, in what
+// stands on it, too; whoever defines a metric now takes another.
+TEST(MetricExpressions, KeepTheNamesThatATemplateHasHad) {
+  const MetricDefinitions stored{
+      {{"mean_von_mises", "Pa", "2 * mean_von_mises('top')"}, {"safe", "Pa", "3 * mean_von_mises"}},
+      {}};
+  std::vector<FieldViolation> findings;
+  const MetricExpressions expressions({{{"half", "Pa", "safe / 2"}}, {}}, stored, kParameters,
+                                      kDesignMetrics, "own", findings);
+  ASSERT_THAT(findings, IsEmpty()) << FirstOf(findings);
+  const auto needs = expressions.NeedsOf(std::vector<std::string>{"half"});
+  EXPECT_THAT(needs.metrics, IsEmpty());
+  EXPECT_THAT(needs.calls, SizeIs(1));
+  const std::vector<absl::StatusOr<Dual>> top{Dual{5, {}}};
+  const auto half = expressions.At(expressions.Find("half"), kAt, false, needs, {}, top);
+  ASSERT_TRUE(half.ok()) << half.status();
+  EXPECT_DOUBLE_EQ(half->value, 15);
+  EXPECT_THAT(FirstOf(FindingsOf({{{"mean_von_mises", "Pa", "mean_von_mises('top')"}}, {}})),
+              HasSubstr("'mean_von_mises' is a metric already"));
+  EXPECT_THAT(FirstOf(FindingsOf({{{"mean_von_mises", "Pa", "'1 Pa'"}}, {}}, stored)),
+              HasSubstr("'mean_von_mises' is a metric already"));
+}
+
 TEST(MetricExpressions, SayWhichOfThemHasNoValueAndWhy) {
   const MetricExpressions expressions =
       Parsed({{{"a", "1", "1 / (area('f') / '1 m^2' - 1)"}, {"b", "1", "2 * a"}}, {}});
