@@ -71,7 +71,7 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
     return InvalidField(
         "--mesh",
         "is a mesh already: --set, --metric, --define, --point, --gradients, --element-size, "
-        "--relative-error, --linear, --wind and --air-cells are for templates");
+        "--size-scale, --relative-error, --linear, --wind and --air-cells are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());

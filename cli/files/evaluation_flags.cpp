@@ -6,13 +6,17 @@
 namespace mortise::cli {
 
 bool EvaluationFlags::any() const {
-  return !element_size.empty() || relative_error != 0 || linear || !wind.empty() || air_cells != 0;
+  return !element_size.empty() || size_scale != 0 || relative_error != 0 || linear ||
+         !wind.empty() || air_cells != 0;
 }
 
 void AddEvaluationFlags(CommandFlags& flags, EvaluationFlags& options, const std::string& parent,
                         const std::string& wind) {
   flags.Add("--element-size", options.element_size, "Edge length of the tetrahedra",
             parent + "mesh.element_size");
+  flags.Add("--size-scale", options.size_scale,
+            "Times that length, also where none is given, 0.5 to 2: how much is chance of the mesh",
+            parent + "mesh.size_scale");
   flags.Add("--relative-error", options.relative_error,
             "Refine until the estimated error is at most this, such as 0.05",
             parent + "mesh.relative_error");
@@ -29,6 +33,7 @@ absl::StatusOr<v1::MeshSettings> MeshOf(const EvaluationFlags& flags) {
     MORTISE_ASSIGN_OR_RETURN(const double size, ParseLength(flags.element_size, "--element-size"));
     mesh.set_element_size(size);
   }
+  mesh.set_size_scale(flags.size_scale);
   mesh.set_relative_error(flags.relative_error);
   mesh.set_linear(flags.linear);
   return mesh;

@@ -12,6 +12,7 @@ namespace mortise::cli {
 
 struct EvaluationFlags {
   std::string element_size;   // "20mm"
+  double size_scale = 0;      // times that, or its default; 0 for 1
   double relative_error = 0;  // 0 for no refinement
   bool linear = false;        // tetrahedra of 4 nodes
   std::string wind;           // "-10, 0, 0", m/s
@@ -21,9 +22,9 @@ struct EvaluationFlags {
   bool any() const;
 };
 
-// Declares --element-size, --relative-error, --linear, --wind and --air-cells. They give the fields
-// `mesh` and `airflow` of what has the path `parent` in the request ("specification."). `wind` is
-// the help of --wind.
+// Declares --element-size, --size-scale, --relative-error, --linear, --wind and --air-cells. They
+// give the fields `mesh` and `airflow` of what has the path `parent` in the request
+// ("specification."). `wind` is the help of --wind.
 void AddEvaluationFlags(CommandFlags& flags, EvaluationFlags& options, const std::string& parent,
                         const std::string& wind);
 

@@ -191,6 +191,7 @@ TEST_F(HouseTest, FaultsNameTheFlag) {
   EXPECT_EQ(fault({"catalog", "list", "--material", "nosuch"}), "--material");
   EXPECT_EQ(fault({"catalog", "list", "--kind", "nosuch"}), "--kind");
   EXPECT_EQ(fault({"analyze", "table", "--element-size", "-3mm"}), "--element-size");
+  EXPECT_EQ(fault({"analyze", "table", "--size-scale", "3"}), "--size-scale");
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--metric", "beauty"}),
             "--metric beauty");
   EXPECT_EQ(fault({"analyze", "table", "--metric", "mass", "--set", "girth=1"}), "--set girth");
