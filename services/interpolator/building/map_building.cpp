@@ -263,14 +263,18 @@ void MapBuilding::TellProgress() {
   next_progress_ = ended + 9 * (ended - began);
 }
 
+// What is held back counts already: whoever watches sees that designs are evaluated.
 absl::Status MapBuilding::Tell(const Asked& asked, const DesignAnswer& answer) {
-  if (awaits_noise_) return HoldBack(asked, answer);
-  const auto structure = static_cast<std::size_t>(asked.key.structure);
   ++evaluations_;
   if (!answer.status.ok()) {
     failures_.Add({DetailOf(answer.status).reason, answer.status.code(),
                    std::string(answer.status.message()), plan_.PointOf(asked.design)});
   }
+  return awaits_noise_ ? HoldBack(asked, answer) : Use(asked, answer);
+}
+
+absl::Status MapBuilding::Use(const Asked& asked, const DesignAnswer& answer) {
+  const auto structure = static_cast<std::size_t>(asked.key.structure);
   const absl::Status told =
       answer.status.ok()
           ? structures_[structure]->Tell(static_cast<int>(asked.key.number), answer.values)
@@ -331,7 +335,7 @@ absl::Status MapBuilding::ReceiveNoise(absl::StatusOr<MeshNoise> noise) {
   return options_.judge ? options_.judge(Counts()) : absl::OkStatus();
 }
 
-// Takes it over, and tells all that was held back.
+// Takes it over, and uses all that was held back.
 absl::Status MapBuilding::SettleNoise(MeshNoise noise) {
   noise_ = std::move(noise);
   awaits_noise_ = false;
@@ -345,7 +349,7 @@ absl::Status MapBuilding::SettleNoise(MeshNoise noise) {
   }
   if (shapes_) shapes_->SetNoise(noise_);
   const auto held_back = std::exchange(held_back_, {});
-  for (const auto& [asked, answer] : held_back) MORTISE_RETURN_IF_ERROR(Tell(asked, answer));
+  for (const auto& [asked, answer] : held_back) MORTISE_RETURN_IF_ERROR(Use(asked, answer));
   return absl::OkStatus();
 }
 

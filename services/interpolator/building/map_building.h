@@ -140,6 +140,7 @@ class MapBuilding {
   absl::Status Happen(const Event& first);
   bool IsIdle() const { return under_way_ == 0 && (shapes_ == nullptr || shapes_->IsIdle()); }
   absl::Status Tell(const Asked& asked, const DesignAnswer& answer);
+  absl::Status Use(const Asked& asked, const DesignAnswer& answer);
   absl::Status HoldBack(const Asked& asked, const DesignAnswer& answer);
   void AskForNoise(ThreadPool& lanes);
   absl::Status ReceiveNoise(absl::StatusOr<MeshNoise> noise);

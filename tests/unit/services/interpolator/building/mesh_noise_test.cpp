@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <vector>
 
 #include "common/base/errors.h"
 #include "common/fields/fields_file.h"
@@ -69,6 +70,21 @@ TEST_F(MetricNoiseTest, IsWhatTheDesignInTheMiddleDiffersBy) {
   EXPECT_EQ(building->progress().evaluations, evaluated_ + on_other_meshes_);
   ASSERT_TRUE(kept_.has_value());
   EXPECT_EQ(kept_->metrics, building->noise().metrics);
+}
+
+// Whoever watches sees designs come while nothing is decided by them.
+TEST_F(MetricNoiseTest, DesignsCountBeforeItIsKnown) {
+  const MapPlan plan = ExamplePlan(101);
+  BuildOptions options = Options(1);
+  std::vector<BuildProgress> told;
+  options.progress = [&](const BuildProgress& progress) { told.push_back(progress); };
+  const auto building = MapBuilding::Create(plan, options).value();
+  ASSERT_TRUE(building->Run({}).ok());
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.front().evaluations, 1);
+  for (std::size_t i = 1; i < told.size(); ++i) {
+    EXPECT_GE(told[i].evaluations, told[i - 1].evaluations);
+  }
 }
 
 TEST_F(MetricNoiseTest, ActsAsFloorsThatAreGiven) {
