@@ -72,7 +72,11 @@ int EndClasses::Of(const EndSlope& slope) {
       if (near == by_cell_.end()) continue;
       for (const int end : near->second) {
         const Eigen::Vector2d off = ends_[static_cast<std::size_t>(end)].rise - rise;
-        if (off.cwiseAbs().maxCoeff() <= kEndTolerance) return end;
+        if (off.cwiseAbs().maxCoeff() > kEndTolerance) continue;
+        const int64_t kerf = ToUnits(KerfAlong(slope, kerf_));
+        error_ = std::max({error_, ToUnits(off.cwiseAbs().sum() / 2),
+                           std::abs(kerf - ends_[static_cast<std::size_t>(end)].kerf)});
+        return end;
       }
     }
   }
@@ -80,6 +84,10 @@ int EndClasses::Of(const EndSlope& slope) {
   by_cell_[{cell(rise.x()), cell(rise.y())}].push_back(end);
   ends_.push_back({rise, ToUnits(ReachOf(slope, section_)), ToUnits(KerfAlong(slope, kerf_))});
   return end;
+}
+
+int64_t EndClasses::ReachOfEnd(const EndSlope& slope) const {
+  return ToUnits(mortise::fabplanner::ReachOf(slope, section_));
 }
 
 int64_t EndClasses::Gap(int rear, int front) const {

@@ -40,6 +40,11 @@ class EndClasses {
   int64_t Gap(int rear, int front) const;
   // Returns how far an end of the class reaches over its middle.
   int64_t Reach(int end) const { return ends_[static_cast<std::size_t>(end)].reach; }
+  // Returns how far this very end does, which differs from its class's by error() at most.
+  int64_t ReachOfEnd(const EndSlope& slope) const;
+  // Returns by how much, at most, reach and kerf of an end that Of was asked for differ from those
+  // of its class: 0 where ends that run alike do so exactly. A gap differs by three times that.
+  int64_t error() const { return error_; }
   // Returns the kerf of a square cut, the least of all gaps.
   int64_t square_kerf() const { return square_kerf_; }
 
@@ -53,6 +58,7 @@ class EndClasses {
   Eigen::Vector2d section_;
   double kerf_;
   int64_t square_kerf_;
+  int64_t error_ = 0;
   std::vector<End> ends_;
   std::map<std::pair<int64_t, int64_t>, std::vector<int>> by_cell_;
 };

@@ -64,17 +64,22 @@ bool AnySloped(const std::vector<CrosscutPart>& parts) {
                      [](const CrosscutPart& part) { return !AreSquare(part.ends); });
 }
 
-// Slopes only make sense on a section, and between the points of a part.
+// Slopes only make sense on a section, and where the two ends do not cross within the part. Along
+// the middle line they are its length apart but for what each reaches over it; towards a corner
+// they come nearer by the difference of their slopes there.
 absl::Status CheckSlopes(const std::vector<CrosscutPart>& parts, const Eigen::Vector2d& section) {
+  constexpr double kSlack = 4 * kEndTolerance;  // what two ends may miss their planes by
   if (!section.allFinite() || section.minCoeff() <= 0 || section.maxCoeff() > kMaxLength) {
     return InvalidField("section", "must be over 0 and up to 1000 m, as there are sloped ends");
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const double reach =
-        ReachOf(parts[i].ends.front, section) + ReachOf(parts[i].ends.rear, section);
-    if (std::isfinite(reach) && reach < 2 * parts[i].length + kEndTolerance) continue;
+    const auto& [front, rear] = parts[i].ends;
+    const EndSlope difference{front.across - rear.across, front.through - rear.through};
+    const double needed =
+        ReachOf(front, section) + ReachOf(rear, section) + ReachOf(difference, section);
+    if (std::isfinite(needed) && needed <= parts[i].length + kSlack) continue;
     return InvalidField(absl::StrCat("parts[", i, "].ends"),
-                        "are steeper than the part's length allows");
+                        "are steeper than the part's length allows: they cross within it");
   }
   return absl::OkStatus();
 }

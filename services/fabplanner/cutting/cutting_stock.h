@@ -33,7 +33,7 @@ struct StockLength {
 struct CrosscutPart {
   std::string label;  // for messages
   double length = 0;  // m, > 0, from its foremost to its last point
-  CutEnds ends = {};  // at most as steep as its length allows
+  CutEnds ends = {};  // at most as steep as its length allows: they do not cross within it
 };
 
 struct CuttingStockOptions {

@@ -1,6 +1,7 @@
 #include "services/fabplanner/cutting/sloped_packing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -29,9 +30,10 @@ class Problem {
         types_(std::move(types)),
         finder_(classes_, KindsOf(parts), 10 * search_steps) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const LaidEnds& ends = kinds_[static_cast<std::size_t>(kind_of_[i])][0];
+      const CutEnds& ends = parts[i].ends;
+      reaches_.push_back({classes_.ReachOfEnd(ends.front), classes_.ReachOfEnd(ends.rear)});
       lengths_.push_back(parts[i].length);
-      middles_.push_back(parts[i].length - classes_.Reach(ends.front) - classes_.Reach(ends.rear));
+      middles_.push_back(parts[i].length - reaches_[i][0] - reaches_[i][1]);
     }
     for (const BinType& type : types_) largest_ = std::max(largest_, type.capacity);
     FindLeastSizes();
@@ -47,9 +49,10 @@ class Problem {
   int64_t least_capacity_gain() const { return least_capacity_gain_; }
   int64_t square_kerf() const { return classes_.square_kerf(); }
 
-  // What the parts take of a board when they are chained.
+  // What the parts take of a board when they are chained: the first and the last may reach over a
+  // little farther than their classes.
   int64_t TakenBy(const std::vector<int>& parts) {
-    int64_t taken = finder_.ChainOf(CountsOf(parts)).extra;
+    int64_t taken = finder_.ChainOf(CountsOf(parts)).extra + 2 * classes_.error();
     for (const int part : parts) taken += middles_[static_cast<std::size_t>(part)];
     return taken;
   }
@@ -93,11 +96,17 @@ class Problem {
   void FindLeastSizes();
   std::vector<int64_t> LeastGaps() const;
 
+  // How far the front of a part that lies in one of the four ways reaches over its middle.
+  int64_t FrontReach(int part, int way) const {
+    return reaches_[static_cast<std::size_t>(part)][way < 2 ? 0 : 1];
+  }
+
   EndClasses classes_;
   std::vector<BinType> types_;
   std::vector<LaidWays> kinds_;
   std::vector<int> kind_of_;
   ChainFinder finder_;
+  std::vector<std::array<int64_t, 2>> reaches_;  // of each part's own front and rear
   std::vector<int64_t> lengths_, middles_, least_sizes_;
   int64_t least_capacity_gain_ = 0;
   int64_t largest_ = 0;
@@ -145,9 +154,10 @@ void Problem::FindLeastSizes() {
   }
   if (classes.size() <= kMostClasses) gaps = LeastGaps();
   const auto half_gap = [&](int rear) -> int64_t {
-    if (gaps.empty()) return classes_.square_kerf() / 2;  // no gap is smaller
+    const int64_t square = classes_.square_kerf();  // no gap is smaller
+    if (gaps.empty()) return square / 2;
     const int64_t gap = gaps[static_cast<std::size_t>(rear)];
-    return gap == kNone ? 0 : gap / 2;
+    return gap == kNone ? 0 : std::max(square, gap - 3 * classes_.error()) / 2;
   };
   int64_t gain = std::numeric_limits<int64_t>::min();
   for (std::size_t i = 0; i < kind_of_.size(); ++i) {
@@ -158,7 +168,7 @@ void Problem::FindLeastSizes() {
     gain =
         std::max({gain, rear - classes_.Reach(ways[0].rear), front - classes_.Reach(ways[2].rear)});
   }
-  least_capacity_gain_ = 2 * gain;
+  least_capacity_gain_ = 2 * (gain + classes_.error());
 }
 
 SlopedBoard Problem::LayOut(std::vector<int> parts) {
@@ -178,11 +188,12 @@ SlopedBoard Problem::LayOut(std::vector<int> parts) {
     of_kind[link.kind].pop_back();
     const LaidEnds& ends =
         kinds_[static_cast<std::size_t>(link.kind)][static_cast<std::size_t>(link.way)];
-    middle += before < 0 ? classes_.Reach(ends.front) : classes_.Gap(before, ends.front);
-    board.placements.push_back({part, link.way, middle - classes_.Reach(ends.front)});
+    const int64_t reach = FrontReach(part, link.way);
+    middle += before < 0 ? reach : classes_.Gap(before, ends.front);
+    board.placements.push_back({part, link.way, middle - reach});
+    board.taken = std::max(board.taken, middle - reach + LengthOf(part));
     middle += middles_[static_cast<std::size_t>(part)];
     before = ends.rear;
-    board.taken = std::max(board.taken, middle + classes_.Reach(before));
   }
   return board;
 }

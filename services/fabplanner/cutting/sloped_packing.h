@@ -3,9 +3,9 @@
 // How much of a board parts take depends on what lies beside what (board_chain.h), so this is bin
 // packing only nearly. Two packings by bin_packing.h lie on either side of it:
 //   - every part takes its length along the middle line and, at each end, half of the least gap
-//   that
-//     any other part leaves there: no layout takes less, so the bound of that packing holds. Where
-//     all its boards can be chained in their length it is the best layout;
+//     that any other part leaves there, less by what ends that count as alike differ: no layout
+//     takes less, so the bound of that packing holds. Where all its boards can be chained in their
+//     length it is the best layout;
 //   - every part takes its rectangle: all its boards can be chained, so the layout never costs more
 //     than rectangles would.
 // Besides, parts go one after another, longest first, onto the board that they fill most; and

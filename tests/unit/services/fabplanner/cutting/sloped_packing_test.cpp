@@ -217,9 +217,11 @@ TEST(SlopedPackingTest, SmallCasesAreAsGoodAsAnyAndBoundsHold) {
     made.stock = {{0.9}};
     for (CrosscutPart& part : made.parts) part.length = std::min(part.length, 0.8);
     if (std::any_of(made.parts.begin(), made.parts.end(), [&](const CrosscutPart& part) {
-          return ReachOf(part.ends.front, made.options.section) +
-                     ReachOf(part.ends.rear, made.options.section) >
-                 part.length;
+          const Corners corners = CornersOf(part.ends, 0, part.length, made.options.section);
+          for (int i = 0; i < 4; ++i) {
+            if (corners.front[i] > corners.rear[i]) return true;
+          }
+          return false;
         })) {
       continue;
     }
@@ -282,6 +284,38 @@ TEST(SlopedPackingTest, ManyFramesArePackedToTheBound) {
   const auto rectangles = CutStock(AsRectangles(parts), {{2.4}}, options);
   EXPECT_LT(cut->boards.size(), rectangles->boards.size());
   EXPECT_LE(cut->cost, 1.02 * cut->lower_bound);
+}
+
+// Ends that differ by less than a micrometre are cut as one; that must not add up over many parts.
+TEST(SlopedPackingTest, EndsThatAreNearlyAlikeAddNothingUp) {
+  const CuttingStockOptions options = {.section = {0.045, 0.02}};
+  const double off = 0.9e-6 / options.section.x();
+  constexpr int kParts = 40;
+  std::vector<CrosscutPart> parts = {{"first", 0.05, {{1 - off, 0}, {1 - off, 0}}}};
+  while (parts.size() < kParts) parts.push_back({"other", 0.05, {{1, 0}, {1, 0}}});
+  const double taken = kParts * (0.05 - 0.045) + (kParts - 1) * 0.003 * std::sqrt(2) + 0.045;
+  const std::vector<StockLength> stock = {{taken + 2 * options.trim + 5e-6}};
+  const auto cut = CutStock(parts, stock, options);
+  ASSERT_TRUE(cut.ok()) << cut.status();
+  EXPECT_EQ(cut->boards.size(), 1U);
+  EXPECT_NEAR(cut->lower_bound, stock.front().length, 1e-9);
+  ExpectSound(parts, stock, options, *cut);
+}
+
+// A wedge is a triangle at the shortest; ends that run alike never cross, however short the part.
+TEST(SlopedPackingTest, EndsMustNotCrossWithinThePart) {
+  const CuttingStockOptions options = {.section = {0.045, 0.02}};
+  const auto fault = [&](double length, double front, double rear) {
+    const auto cut = CutStock({{"part", length, {{front, 0}, {rear, 0}}}}, {{2.4}}, options);
+    return DetailOf(cut.status()).field;
+  };
+  EXPECT_EQ(fault(0.0901, 1, -1), "");
+  EXPECT_EQ(fault(0.0899, 1, -1), "parts[0].ends");
+  EXPECT_EQ(fault(0.046, 1, -1), "parts[0].ends");
+  EXPECT_EQ(fault(0.0451, 1, 1), "");
+  EXPECT_EQ(fault(0.0449, 1, 1), "parts[0].ends");
+  EXPECT_EQ(fault(0.0451, 1, 0), "");
+  EXPECT_EQ(fault(0.0449, 1, 0), "parts[0].ends");
 }
 
 TEST(SlopedPackingTest, WhatCannotBeIsNamed) {
