@@ -44,8 +44,6 @@ std::string Complaint(const BadRequest& bad, const grpc::Status& answer) {
   if (answer.ok()) return bad.verdict == Verdict::kAnswered ? "" : "was accepted";
   const absl::Status status = rpc::FromGrpc(answer);
   const std::string answered = status.ToString(absl::StatusToStringMode::kWithEverything);
-  // What the contract has and nobody has built yet says so, whatever is in it.
-  if (absl::IsUnimplemented(status) && DetailOf(status).reason == "NOT_BUILT") return "";
   if (callers.count(status.code()) == 0) return "has the wrong code: " + answered;
   const ErrorDetail detail = DetailOf(status);
   if (bad.verdict == Verdict::kTooLarge) {

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "absl/strings/match.h"
-#include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "tests/e2e/good_requests.h"
 #include "tests/e2e/raw_call.h"
@@ -54,10 +53,7 @@ TEST(LargeNumbersTest, AreAnsweredByTheCatalog) {
           const RawAnswer answer = CallWithBytes(channel, method, large.bytes);
           const absl::Status status = rpc::FromGrpc(answer.status);
           ++asked;
-          // What the contract has and nobody has built yet says so, whatever is in it.
-          const bool is_unbuilt =
-              absl::IsUnimplemented(status) && DetailOf(status).reason == "NOT_BUILT";
-          EXPECT_TRUE(IsCallers(status.code()) || is_unbuilt)
+          EXPECT_TRUE(IsCallers(status.code()))
               << method << " " << large.path << " = " << large.what << ": " << status;
         }
       }
