@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/design/metric_registry.h"
 #include "common/evaluation/parameter_number.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/interpolator.pb.h"
@@ -368,6 +369,22 @@ bool EstimatesNoise(const v1::MapSpecification& specification, const MapPlan& pl
          (plan.evaluations - 1) / structures >= LeastEvaluations(plan);
 }
 
+namespace {
+
+// Whether anything that the map has may depend on the air around a design: what nobody here knows,
+// as a metric of one's own, may.
+bool MayFeelAir(const v1::MapSpecification& specification) {
+  const bool is_of_metrics = std::ranges::any_of(specification.metrics(), [](const auto& metric) {
+    const simulator::MetricDescription* const known = simulator::FindMetric(metric.name());
+    return known == nullptr || known->source == simulator::MetricSource::kAirflow;
+  });
+  return is_of_metrics || specification.has_airflow() ||
+         std::ranges::any_of(specification.shape().fields(),
+                             [](const auto& field) { return field.name().starts_with("air_"); });
+}
+
+}  // namespace
+
 v1::MapSpecification OnOtherMeshes(const v1::MapSpecification& specification) {
   constexpr double kFiner = 0.8, kCoarser = 1.25, kLeastScale = 0.5;
   constexpr int kDefaultCells = 30'000, kMostCells = 5'000'000;
@@ -375,6 +392,7 @@ v1::MapSpecification OnOtherMeshes(const v1::MapSpecification& specification) {
   v1::MeshSettings& mesh = *other.mutable_mesh();
   const double scale = mesh.size_scale() == 0 ? 1 : mesh.size_scale();
   mesh.set_size_scale(scale * (scale * kFiner >= kLeastScale ? kFiner : kCoarser));
+  if (!MayFeelAir(specification)) return other;
   const int cells = other.airflow().cells() == 0 ? kDefaultCells : other.airflow().cells();
   const double more = cells / (kFiner * kFiner * kFiner);
   other.mutable_airflow()->set_cells(

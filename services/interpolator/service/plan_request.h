@@ -32,7 +32,8 @@ bool EstimatesNoise(const v1::MapSpecification& specification, const MapPlan& pl
 MeshNoiseOptions NoiseWantedOf(const v1::MapSpecification& specification);
 
 // Returns the specification with other meshes: elements of 0.8 of their size, or where that would
-// be less than half of the default of 1.25; in air so many cells more, or fewer.
+// be less than half of the default of 1.25; where anything may depend on the air, in it so many
+// cells more, or fewer.
 v1::MapSpecification OnOtherMeshes(const v1::MapSpecification& specification);
 
 // Returns what to ask about every design of a map: all but the points. The metrics of the map come

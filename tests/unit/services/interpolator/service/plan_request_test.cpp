@@ -215,6 +215,7 @@ TEST(PlanRequestTest, EstimatesNoNoiseWhereTheBudgetHasNoRoomForIt) {
 
 TEST(PlanRequestTest, AsksForOtherMeshesAndOtherCellsOfTheAir) {
   v1::MapSpecification specification = SpecificationOf();
+  specification.mutable_metrics(0)->set_name("of_my_own");  // which may be of the air
   specification.mutable_mesh()->set_element_size(0.1);
   v1::MapSpecification other = OnOtherMeshes(specification);
   EXPECT_EQ(other.mesh().element_size(), 0.1);
@@ -225,6 +226,21 @@ TEST(PlanRequestTest, AsksForOtherMeshesAndOtherCellsOfTheAir) {
   other = OnOtherMeshes(specification);
   EXPECT_EQ(other.mesh().size_scale(), 0.625);
   EXPECT_EQ(other.airflow().cells(), 2'560'000);
+}
+
+// A question that says nothing of the air is answered by what is known of designs already.
+TEST(PlanRequestTest, SaysNothingOfTheAirWhereNothingFeelsIt) {
+  v1::MapSpecification specification = SpecificationOf();
+  specification.clear_metrics();
+  specification.add_metrics()->set_name("max_displacement");
+  specification.mutable_shape()->add_fields()->set_name("von_mises");
+  EXPECT_FALSE(OnOtherMeshes(specification).has_airflow());
+  EXPECT_EQ(OnOtherMeshes(specification).mesh().size_scale(), 0.8);
+  specification.mutable_shape()->add_fields()->set_name("air_pressure");
+  EXPECT_TRUE(OnOtherMeshes(specification).has_airflow());
+  specification.clear_shape();
+  specification.add_metrics()->set_name("airflow_drag");
+  EXPECT_TRUE(OnOtherMeshes(specification).has_airflow());
 }
 
 }  // namespace
