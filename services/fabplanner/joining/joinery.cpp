@@ -44,7 +44,8 @@ absl::StatusOr<Hole> DrillHole(const Peg& peg, const std::string& part,
     return InvalidField(absl::StrCat("connection ", peg.connection),
                         absl::StrCat("joins the part ", part, ", which the design does not have"));
   }
-  const Hole hole{part, peg.position, direction, peg.diameter, peg_depth + kHoleClearance};
+  Hole hole{part, peg.position, direction, peg.diameter, peg_depth + kHoleClearance};
+  hole.connector = peg.connection;
   const double available = DepthAvailable(box->second, peg.position, direction);
   if (hole.depth >= available) {
     const std::vector<std::string> depths =

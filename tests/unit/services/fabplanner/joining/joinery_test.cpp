@@ -28,6 +28,8 @@ TEST(JoineryTest, EachPegHasAHoleInBothPartsOneMillimetreDeeper) {
     EXPECT_DOUBLE_EQ(own.depth, peg.depth_in_part + 0.001);
     EXPECT_NEAR(own.depth + other.depth, peg.length + 0.002, 1e-12);
     EXPECT_EQ(own.diameter, peg.diameter);
+    EXPECT_EQ(own.connector, peg.connection);
+    EXPECT_EQ(other.connector, peg.connection);
   }
 }
 
