@@ -303,6 +303,36 @@ TEST(ShippedArmchair, HasAStepLessWithoutArmrests) {
   }
 }
 
+// Table 8.2 of the thesis: size changes the number of pegs, and the slabs of the back that of the
+// parts from the chop saw, of which there are as many as the thesis counts.
+TEST(ShippedShed, HasThePartsAndStepsOfTheThesis) {
+  const Shipped shed = Load("templates/shed");
+  ASSERT_NE(shed.compiled, nullptr);
+  const auto items = ItemsFrom(shed.bundle);
+  ASSERT_TRUE(items.ok()) << items.status();
+  const auto plan_at = [&](const std::vector<parametric::NamedValue>& values) {
+    const auto q = parametric::CompleteParameters(shed.compiled->parameters(), values);
+    EXPECT_TRUE(q.ok()) << q.status();
+    const auto design = shed.compiled->Evaluate(*q);
+    EXPECT_TRUE(design.ok()) << design.status();
+    return design.ok() ? CheckedPlan(shed, *design, *items, "") : v1::Plan();
+  };
+  const v1::Plan small = plan_at({{"width", 1.2}, {"depth", 1}, {"height", 1.4}});
+  const v1::Plan large =
+      plan_at({{"width", 1.98}, {"depth", 2.4}, {"height", 2.18}, {"door_width", 0.75}});
+  const v1::Plan of_many_slabs = plan_at({{"slabs", 23}});
+  const v1::Plan bare = plan_at({{"shelving", 0, "none"}, {"door", 0, "right"}});
+  for (const v1::Plan* const plan : {&small, &large, &of_many_slabs}) {
+    EXPECT_EQ(plan->jigsaw_parts(), 16);
+    EXPECT_EQ(plan->steps_size(), 9);
+    EXPECT_EQ(plan->chop_saw_parts(), plan == &of_many_slabs ? 37 : 25);
+  }
+  EXPECT_EQ(large.pegs(), 1333);
+  EXPECT_LT(small.pegs(), 900);
+  EXPECT_EQ(bare.steps_size(), 8);
+  EXPECT_EQ(bare.jigsaw_parts(), 12);
+}
+
 std::string TestName(const ::testing::TestParamInfo<std::string>& info) {
   std::string name = info.param;
   std::replace_if(
