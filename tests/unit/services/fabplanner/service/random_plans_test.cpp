@@ -136,7 +136,7 @@ TEST_P(RandomPlansTest, CanBeBuilt) {
 INSTANTIATE_TEST_SUITE_P(Shipped, RandomPlansTest,
                          ::testing::Values("templates/armchair", "templates/shed",
                                            "templates/work-table", "templates/writing-desk",
-                                           "templates/platform-bed"),
+                                           "templates/platform-bed", "templates/deck"),
                          [](const auto& each) {
                            std::string name = each.param.substr(each.param.find('/') + 1);
                            std::replace(name.begin(), name.end(), '-', '_');
