@@ -44,7 +44,9 @@ class Manual : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = std::filesystem::temp_directory_path() / ("mortise-manual-" + NewIdentifier());
     std::filesystem::create_directories(folder_);
-    std::filesystem::create_symlink(Source() / "collection", folder_ / "collection");
+    for (const char* part : {"collection", "tools"}) {
+      std::filesystem::create_directory_symlink(Source() / part, folder_ / part);
+    }
     house_ = BackgroundCommand::InShell(
         "mortise up --insecure-development --any-ports --workers 2 --virtual-cell --time-scale 500",
         folder_, (folder_ / "up.log").string());
