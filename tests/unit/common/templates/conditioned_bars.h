@@ -70,7 +70,7 @@ inline v1::TemplateBundle AssemblyBar(const std::string& conditions,
 }
 
 // `conditions` are text of a CadTemplate; the ends are "bar.start" and "bar.end", the sides
-// "bar.section.bottom" (y = 0), "top", "left" (z = 0) and "right".
+// "bar.section.bottom" (z = 0), "top", "left" (y = 0) and "right".
 inline v1::TemplateBundle CadBar(const std::string& conditions, const BarMaterial& material = {}) {
   return BarOf("cad { title: 'Bar' material: 'materials/spruce' " + std::string(kLength) +
                    "features { name: 'sketch' sketch { plane { normal { x: '1' } } "

@@ -33,7 +33,7 @@ constexpr char kStyle[] =
 v1::TemplateBundle StyledBar(const std::string& more = "") {
   return CadBar(absl::StrCat(kStyle,
                              "features { name: 'bore' present: \"style == 'drilled'\" hole { "
-                             "face: 'bar.section.top' position { x: 'length / 2' z: '0.02' } "
+                             "face: 'bar.section.top' position { x: 'length / 2' y: '0.02' } "
                              "diameter: \"if(style == 'drilled', 0.008, 0)\" } } "
                              "features { name: 'round' present: \"style != 'plain'\" fillet { "
                              "edges: 'bar.section.bottom & bar.section.left' radius: '0.005' } } "
