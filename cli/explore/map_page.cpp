@@ -11,10 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/time/time.h"
-#include "cli/explore/number_pack.h"
 #include "cli/explore/page_source.h"
 #include "cli/explore/surface_pack.h"
 #include "common/base/errors.h"
+#include "common/pages/number_pack.h"
 
 namespace mortise::cli {
 namespace {
@@ -42,7 +42,7 @@ absl::Status CheckTree(const v1::MapTree& tree, int metrics) {
   return fits ? absl::OkStatus() : absl::DataLossError("the tree of the map did not come whole");
 }
 
-void PackTree(const v1::MapTree& tree, NumberPack& pack) {
+void PackTree(const v1::MapTree& tree, pages::NumberPack& pack) {
   const std::vector<std::uint8_t> cut_off(tree.cut_off().begin(), tree.cut_off().end());
   pack.Add("directions", SpanOf(tree.directions()));
   pack.Add("children", SpanOf(tree.children()));
@@ -178,7 +178,7 @@ Json DescriptionOf(const v1::DesignMap& map, const std::vector<v1::MapShapes::Fi
 class PackWriter {
  public:
   // Returns the name of the element that has it.
-  absl::StatusOr<std::string> Write(const NumberPack& pack) {
+  absl::StatusOr<std::string> Write(const pages::NumberPack& pack) {
     const std::string name = absl::StrCat("pack-", count_++);
     MORTISE_ASSIGN_OR_RETURN(const std::string text, pack.Text());
     absl::StrAppend(&elements_, "<script type=\"text/plain\" id=\"", name, "\">", text,
@@ -200,13 +200,13 @@ absl::StatusOr<Json> StructureOf(const v1::DesignMap& map, const ExportedStructu
   for (const v1::ParameterValue& value : map.structures(structure.structure).values()) {
     values.push_back(value.value());
   }
-  NumberPack tree;
+  pages::NumberPack tree;
   PackTree(structure.tree, tree);
   Json written = {{"values", values}, {"dimension", structure.tree.dimension()}};
   MORTISE_ASSIGN_OR_RETURN(written["pack"], packs.Write(tree));
   written["lists"] = tree.lists();
   if (structure.samples.empty()) return written;
-  NumberPack pack;
+  pages::NumberPack pack;
   MORTISE_ASSIGN_OR_RETURN(Json shapes, PackSurfaces(structure, fields, pack));
   MORTISE_ASSIGN_OR_RETURN(shapes["pack"], packs.Write(pack));
   shapes["lists"] = pack.lists();

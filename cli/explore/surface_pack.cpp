@@ -64,7 +64,7 @@ class SurfacePacker {
   SurfacePacker(const ExportedStructure& structure, const std::vector<v1::MapShapes::Field>& fields)
       : structure_(structure), fields_(fields), ranges_(fields.size()) {}
 
-  absl::StatusOr<Json> Pack(NumberPack& pack) {
+  absl::StatusOr<Json> Pack(pages::NumberPack& pack) {
     MORTISE_RETURN_IF_ERROR(ReadMeshes(pack));
     MORTISE_RETURN_IF_ERROR(ReadSamples());
     Json description;
@@ -93,7 +93,7 @@ class SurfacePacker {
   }
 
  private:
-  absl::Status ReadMeshes(NumberPack& pack) {
+  absl::Status ReadMeshes(pages::NumberPack& pack) {
     for (std::size_t m = 0; m < structure_.meshes.size(); ++m) {
       const v1::MapMesh& mesh = structure_.meshes[m];
       places_[mesh.mesh()] = m;
@@ -155,7 +155,7 @@ class SurfacePacker {
       positions[i] = box[i % 3].StepsOf(shape.positions[i]);
     }
     Json packed = {{"sample", shape.sample}, {"mesh", shape.mesh}, {"positions", bytes_.size()}};
-    AppendFolded(positions, base.positions, 3, bytes_);
+    pages::AppendFolded(positions, base.positions, 3, bytes_);
     const bool is_base = base.positions.empty();
     if (is_base) {
       base.positions = std::move(positions);
@@ -171,8 +171,8 @@ class SurfacePacker {
       std::ranges::transform(shape.fields[f], steps.begin(),
                              [&](float number) { return ranges_[f].StepsOf(number); });
       packed["fields"].push_back(bytes_.size());
-      AppendFolded(steps, base.fields[f], static_cast<std::size_t>(fields_[f].components()),
-                   bytes_);
+      pages::AppendFolded(steps, base.fields[f], static_cast<std::size_t>(fields_[f].components()),
+                          bytes_);
       if (is_base) base.fields[f] = std::move(steps);
     }
     return packed;
@@ -198,7 +198,7 @@ class SurfacePacker {
 
 absl::StatusOr<Json> PackSurfaces(const ExportedStructure& structure,
                                   const std::vector<v1::MapShapes::Field>& fields,
-                                  NumberPack& pack) {
+                                  pages::NumberPack& pack) {
   return SurfacePacker(structure, fields).Pack(pack);
 }
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "cli/explore/exported_structure.h"
-#include "cli/explore/number_pack.h"
+#include "common/pages/number_pack.h"
 
 namespace mortise::cli {
 
@@ -17,6 +17,6 @@ namespace mortise::cli {
 // DATA_LOSS where what was received does not fit together.
 absl::StatusOr<nlohmann::ordered_json> PackSurfaces(const ExportedStructure& structure,
                                                     const std::vector<v1::MapShapes::Field>& fields,
-                                                    NumberPack& pack);
+                                                    pages::NumberPack& pack);
 
 }  // namespace mortise::cli

@@ -1,6 +1,6 @@
 // The controls of the parameters, and the table of the metrics.
 
-import { element } from "./elements.mjs";
+import { element } from "../../../common/pages/modules/elements.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
 
 const STEPS = 1000;        // of a slider from end to end

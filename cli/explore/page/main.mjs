@@ -4,11 +4,11 @@
 import { DesignSpace, readHash, writeHash } from "./design_state.mjs";
 import { makeControls, makeMetrics } from "./design_panel.mjs";
 import { copy, designAsCsv, designAsJson, download } from "./downloads.mjs";
-import { byId, element } from "./elements.mjs";
+import { byId, element } from "../../../common/pages/modules/elements.mjs";
 import { MapTree } from "./map_tree.mjs";
 import { causesOf, notesOnShapes, reasonsOf, whyNoShape, whyNoValues } from "./missing_values.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
-import { readPack } from "./packed_numbers.mjs";
+import { readPack } from "../../../common/pages/modules/packed_numbers.mjs";
 import { holdTime, isSelfTest, runSelfTest } from "./self_test.mjs";
 import { ShapePanel } from "./shape_panel.mjs";
 import { coverageAlong, makeSlices, sliceAlong } from "./slices.mjs";

@@ -1,7 +1,7 @@
 // Says in the page what it computes, for tests that compare it with the service: asked for by an address
 // that ends in "#test=POINT;POINT;…", each the values of all parameters, with commas between.
 
-import { byId, element } from "./elements.mjs";
+import { byId, element } from "../../../common/pages/modules/elements.mjs";
 
 const PREFIX = "#test=";
 

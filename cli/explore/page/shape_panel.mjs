@@ -1,8 +1,8 @@
 // The picture of the shape with its controls and its legend.
 
-import { Camera, steer } from "./camera.mjs";
+import { Camera, steer } from "../../../common/pages/modules/camera.mjs";
 import { cssGradient, rangeOf } from "./colour_scale.mjs";
-import { byId, element } from "./elements.mjs";
+import { byId, element } from "../../../common/pages/modules/elements.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "./number_format.mjs";
 import { boxOf, edgesOf, extremes, mostOf, scalarsOf, showable, smoothNormals } from "./surface_shapes.mjs";
 import { SurfaceView } from "./surface_view.mjs";

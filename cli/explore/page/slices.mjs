@@ -1,7 +1,7 @@
 // How each metric changes with each number while the others stay: small plots through the design that is
 // looked at, with how far the map may be off, and gaps where it has no values.
 
-import { drawn, element } from "./elements.mjs";
+import { drawn, element } from "../../../common/pages/modules/elements.mjs";
 import { digits, quantity, shownUnit, spoken } from "./number_format.mjs";
 
 const POINTS = 41;

@@ -2,7 +2,7 @@
 // node of their canonical mesh. Shapes are kept in steps of 16 bits, of the box of all shapes of a mesh
 // and of the range of each field.
 
-import { unfoldSteps } from "./packed_numbers.mjs";
+import { unfoldSteps } from "../../../common/pages/modules/packed_numbers.mjs";
 
 // How far steps move a node at most, m: half the diagonal of one, in the mesh with the largest box.
 // descriptions: what the page says of the shapes of each structure.

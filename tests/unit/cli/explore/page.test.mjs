@@ -4,13 +4,13 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { rangeOf, colourRow } from "../../../../cli/explore/page/colour_scale.mjs";
-import { Camera } from "../../../../cli/explore/page/camera.mjs";
+import { Camera } from "../../../../common/pages/modules/camera.mjs";
 import { DesignSpace, readHash, writeHash } from "../../../../cli/explore/page/design_state.mjs";
 import { designAsCsv, designAsJson } from "../../../../cli/explore/page/downloads.mjs";
 import { causesOf, notesOnShapes, reasonsOf, whyNoShape, whyNoValues } from "../../../../cli/explore/page/missing_values.mjs";
 import { MapTree } from "../../../../cli/explore/page/map_tree.mjs";
 import { digits, digitsWithin, quantity, shownUnit, spoken } from "../../../../cli/explore/page/number_format.mjs";
-import { unfoldSteps } from "../../../../cli/explore/page/packed_numbers.mjs";
+import { unfoldSteps } from "../../../../common/pages/modules/packed_numbers.mjs";
 import { edgesOf, mostOf, roundingOf, scalarsOf, smoothNormals } from "../../../../cli/explore/page/surface_shapes.mjs";
 
 const PARAMETERS = [

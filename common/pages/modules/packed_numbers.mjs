@@ -1,7 +1,8 @@
 // Numbers as a page carries them: a pack is a text of base64, of bytes packed by gzip, which hold
-// several lists one after another. cli/explore/number_pack.h writes them.
+// several lists one after another. common/pages/number_pack.h writes them.
 
-const TYPES = { f64: Float64Array, i32: Int32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
+const TYPES = { f64: Float64Array, f32: Float32Array, i32: Int32Array, u32: Uint32Array, u16: Uint16Array,
+  u8: Uint8Array };
 
 async function unpackBytes(text) {
   const letters = atob(text);

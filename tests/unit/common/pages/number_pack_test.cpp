@@ -1,5 +1,5 @@
 // Numbers as pages carry them, read again.
-#include "cli/explore/number_pack.h"
+#include "common/pages/number_pack.h"
 
 #include <google/protobuf/io/gzip_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -12,7 +12,7 @@
 
 #include "absl/strings/escaping.h"
 
-namespace mortise::cli {
+namespace mortise::pages {
 namespace {
 
 // The bytes that a text of base64 packs by gzip.
@@ -101,4 +101,4 @@ TEST(AppendFolded, SmallDifferencesHaveNoHighBytes) {
 }
 
 }  // namespace
-}  // namespace mortise::cli
+}  // namespace mortise::pages

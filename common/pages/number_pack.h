@@ -1,5 +1,5 @@
 // Numbers as a page carries them: lists of one type each, one after another, packed by gzip and
-// written as base64. page/packed_numbers.mjs reads them.
+// written as base64. modules/packed_numbers.mjs reads them.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,16 @@
 
 #include "absl/status/statusor.h"
 
-namespace mortise::cli {
+namespace mortise::pages {
 
 class NumberPack {
  public:
   // Adds a list under a name of its own.
   void Add(const std::string& name, std::span<const double> numbers);
+  void Add(const std::string& name, std::span<const float> numbers);
   void Add(const std::string& name, std::span<const std::int32_t> numbers);
   void Add(const std::string& name, std::span<const std::uint32_t> numbers);
+  void Add(const std::string& name, std::span<const std::uint16_t> numbers);
   void Add(const std::string& name, std::span<const std::uint8_t> numbers);
 
   // Where each list is: {name: {"type": "f64", "offset": bytes, "length": how many}}.
@@ -41,4 +43,4 @@ class NumberPack {
 void AppendFolded(std::span<const std::uint16_t> steps, std::span<const std::uint16_t> base,
                   std::size_t stride, std::vector<std::uint8_t>& bytes);
 
-}  // namespace mortise::cli
+}  // namespace mortise::pages

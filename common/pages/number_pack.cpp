@@ -1,18 +1,18 @@
-#include "cli/explore/number_pack.h"
+#include "common/pages/number_pack.h"
 
-#include <google/protobuf/io/gzip_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+#include <limits>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
 
-namespace mortise::cli {
+namespace mortise::pages {
 namespace {
 
 // Pages are read on machines like those that they are made on; all that there are, are of this
@@ -22,11 +22,44 @@ static_assert(std::endian::native == std::endian::little);
 constexpr std::size_t kAlignment = 8;
 // A text in a browser has at most some 2^29 letters.
 constexpr std::size_t kMostLetters = 500'000'000;
+constexpr int kGzipWindow = 15 + 16;  // the largest window, with gzip's header
+
+absl::StatusOr<std::string> Gzip(const std::string& bytes) {
+  constexpr std::size_t kMostAtOnce = std::numeric_limits<uInt>::max();
+  z_stream stream = {};
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipWindow, 9, Z_DEFAULT_STRATEGY) !=
+      Z_OK) {
+    return absl::ResourceExhaustedError("there is no memory to pack numbers in");
+  }
+  std::string packed;
+  std::vector<Bytef> room(1 << 16);
+  std::size_t at = 0;
+  int state = Z_OK;
+  while (state == Z_OK) {
+    if (stream.avail_in == 0 && at < bytes.size()) {
+      const std::size_t count = std::min(kMostAtOnce, bytes.size() - at);
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + at));
+      stream.avail_in = static_cast<uInt>(count);
+      at += count;
+    }
+    stream.next_out = room.data();
+    stream.avail_out = static_cast<uInt>(room.size());
+    state = deflate(&stream, at == bytes.size() ? Z_FINISH : Z_NO_FLUSH);
+    packed.append(reinterpret_cast<const char*>(room.data()), room.size() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  if (state != Z_STREAM_END) return absl::InternalError("numbers cannot be packed");
+  return packed;
+}
 
 }  // namespace
 
 void NumberPack::Add(const std::string& name, std::span<const double> numbers) {
   AddBytes(name, "f64", std::as_bytes(numbers), numbers.size());
+}
+
+void NumberPack::Add(const std::string& name, std::span<const float> numbers) {
+  AddBytes(name, "f32", std::as_bytes(numbers), numbers.size());
 }
 
 void NumberPack::Add(const std::string& name, std::span<const std::int32_t> numbers) {
@@ -35,6 +68,10 @@ void NumberPack::Add(const std::string& name, std::span<const std::int32_t> numb
 
 void NumberPack::Add(const std::string& name, std::span<const std::uint32_t> numbers) {
   AddBytes(name, "u32", std::as_bytes(numbers), numbers.size());
+}
+
+void NumberPack::Add(const std::string& name, std::span<const std::uint16_t> numbers) {
+  AddBytes(name, "u16", std::as_bytes(numbers), numbers.size());
 }
 
 void NumberPack::Add(const std::string& name, std::span<const std::uint8_t> numbers) {
@@ -49,27 +86,11 @@ void NumberPack::AddBytes(const std::string& name, const char* type,
 }
 
 absl::StatusOr<std::string> NumberPack::Text() const {
-  std::string packed;
-  {
-    google::protobuf::io::StringOutputStream sink(&packed);
-    google::protobuf::io::GzipOutputStream::Options options;
-    options.compression_level = 9;
-    google::protobuf::io::GzipOutputStream gzip(&sink, options);
-    for (std::size_t at = 0; at < bytes_.size();) {
-      void* room = nullptr;
-      int size = 0;
-      if (!gzip.Next(&room, &size)) return absl::InternalError("numbers cannot be packed");
-      const std::size_t count = std::min(static_cast<std::size_t>(size), bytes_.size() - at);
-      std::memcpy(room, bytes_.data() + at, count);
-      gzip.BackUp(size - static_cast<int>(count));
-      at += count;
-    }
-    if (!gzip.Close()) return absl::InternalError("numbers cannot be packed");
-  }
+  MORTISE_ASSIGN_OR_RETURN(const std::string packed, Gzip(bytes_));
   if (packed.size() / 3 * 4 > kMostLetters) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("packed, the numbers of one structure take ", packed.size() >> 20,
-                     " MB, more than browsers read; ask for fewer fields"));
+    return absl::ResourceExhaustedError(absl::StrCat("packed, the numbers of one list take ",
+                                                     packed.size() >> 20,
+                                                     " MB, more than browsers read"));
   }
   return absl::Base64Escape(packed);
 }
@@ -89,4 +110,4 @@ void AppendFolded(std::span<const std::uint16_t> steps, std::span<const std::uin
   }
 }
 
-}  // namespace mortise::cli
+}  // namespace mortise::pages

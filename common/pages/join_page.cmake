@@ -1,14 +1,15 @@
-# Joins the sources of page/ into one page: cmake -DFOLDER=… -DOUTPUT=… -DMODULES="a.mjs b.mjs" -P join_page.cmake
-# Modules become one, each after those that it imports: their imports go, and exports are plain.
+# Joins the sources of a page into one: cmake -DFOLDER=… -DOUTPUT=… -DMODULES="/…/a.mjs /…/b.mjs" -P join_page.cmake
+# Modules become one, each after those that it imports: their imports, each a line, go, and exports are plain.
 file(READ ${FOLDER}/page.html page)
 file(READ ${FOLDER}/page.css style)
 separate_arguments(MODULES)
 set(script "")
 foreach(module IN LISTS MODULES)
-  file(READ ${FOLDER}/${module} text)
+  file(READ ${module} text)
   string(REGEX REPLACE "(^|\n)import [^\n]*" "\\1" text "${text}")
   string(REGEX REPLACE "(^|\n)export " "\\1" text "${text}")
-  string(APPEND script "// ${module}\n${text}")
+  get_filename_component(name ${module} NAME)
+  string(APPEND script "// ${name}\n${text}")
 endforeach()
 string(REPLACE "@@STYLE@@" "${style}" page "${page}")
 string(REPLACE "@@SCRIPT@@" "${script}" page "${page}")
