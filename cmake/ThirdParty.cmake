@@ -26,6 +26,7 @@ pkg_check_modules(Cares REQUIRED IMPORTED_TARGET libcares)
 pkg_check_modules(Clp REQUIRED IMPORTED_TARGET clp)
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 pkg_check_modules(Zstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(QrEncode REQUIRED IMPORTED_TARGET libqrencode)
 
 # Libraries whose packages bring neither a CMake nor a pkg-config file.
 function(mortise_find_library target header)
@@ -42,6 +43,7 @@ mortise_find_library(mortise_cholmod cholmod.h cholmod openblas)
 target_link_libraries(mortise_cholmod INTERFACE -l:libgomp.so.1)
 mortise_find_library(mortise_spectra Spectra/SymGEigsShiftSolver.h)
 mortise_find_library(mortise_tetgen tetgen.h tet)
+mortise_find_library(mortise_haru hpdf.h hpdf)
 mortise_find_library(mortise_cgal CGAL/AABB_tree.h gmp mpfr)
 
 # Open CASCADE's own targets say neither where its headers are nor that these belong together.
@@ -50,6 +52,11 @@ target_include_directories(mortise_open_cascade SYSTEM INTERFACE ${OpenCASCADE_I
 target_link_libraries(mortise_open_cascade INTERFACE
   TKMesh TKBO TKBool TKFillet TKOffset TKPrim TKTopAlgo TKBRep TKMath TKernel TKG2d TKG3d TKGeomBase
   TKGeomAlgo TKXDESTEP TKSTEP TKSTEPBase TKShHealing TKXSBase TKXCAF TKLCAF TKCAF TKCDF)
+
+# The letters of what is printed.
+set(mortise_fonts /usr/share/fonts/truetype/dejavu /usr/share/fonts/TTF /usr/share/fonts)
+find_file(MORTISE_PLAIN_FONT DejaVuSans.ttf PATHS ${mortise_fonts} REQUIRED)
+find_file(MORTISE_BOLD_FONT DejaVuSans-Bold.ttf PATHS ${mortise_fonts} REQUIRED)
 
 if(MORTISE_BUILD_TESTS OR MORTISE_BUILD_BENCHES)
   find_package(GTest CONFIG REQUIRED)
