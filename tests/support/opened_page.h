@@ -1,4 +1,4 @@
-// A page of a map as a browser sees it.
+// A page that needs no server, as a browser sees it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,29 +31,22 @@ inline std::string ConsoleOf(const std::string& output) {
   return lines;
 }
 
-// Opens a page in a headless browser, with more flags if need be, and returns what its self-test
-// (cli/explore/page/self_test.mjs) says of these designs, the values of all parameters of each.
-// Whatever the page meets as a fault fails the test.
-inline nlohmann::json OpenPage(const std::filesystem::path& page,
-                               const std::vector<std::vector<double>>& designs,
-                               const std::vector<std::string>& flags = {}) {
-  std::vector<std::string> points;
-  for (const std::vector<double>& design : designs) {
-    points.push_back(absl::StrJoin(design, ",", [](std::string* out, double number) {
-      absl::StrAppendFormat(out, "%.17g", number);
-    }));
-  }
+// Opens a page in a headless browser, at an address that ends in `hash` and asks for its self-test,
+// and with more flags if need be. Returns what the self-test says. Whatever the page meets as a
+// fault fails the test.
+inline nlohmann::json OpenPageAt(const std::filesystem::path& page, const std::string& hash,
+                                 const std::vector<std::string>& flags = {}) {
   const TemporaryFolder profile;
   std::vector<std::string> command = {
       "/usr/lib/chromium/chromium-headless-shell", "--headless", "--no-sandbox", "--disable-gpu",
       "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking",
+      "--disable-quic", "--disable-component-update", "--disable-sync", "--no-first-run",
       "--window-size=1280,800", "--user-data-dir=" + profile.path().string(),
       "--enable-logging=stderr",
       // Time goes by as nothing is left to do; a page in its self-test holds it.
       "--virtual-time-budget=10000000", "--dump-dom"};
   command.insert(command.end(), flags.begin(), flags.end());
-  command.push_back(absl::StrCat("file://", std::filesystem::absolute(page).string(),
-                                 "#test=", absl::StrJoin(points, ";")));
+  command.push_back(absl::StrCat("file://", std::filesystem::absolute(page).string(), hash));
   ChildProcess browser(command);
   EXPECT_EQ(browser.Wait(), 0);
   const std::string output = browser.Output();
@@ -67,6 +60,20 @@ inline nlohmann::json OpenPage(const std::filesystem::path& page,
       output.substr(from, output.find("</script>", from) - from), nullptr, false);
   EXPECT_EQ(told["faults"], nlohmann::json::array());
   return told;
+}
+
+// Opens the page of a map, and returns what its self-test (cli/explore/page/self_test.mjs) says of
+// these designs, the values of all parameters of each.
+inline nlohmann::json OpenPage(const std::filesystem::path& page,
+                               const std::vector<std::vector<double>>& designs,
+                               const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> points;
+  for (const std::vector<double>& design : designs) {
+    points.push_back(absl::StrJoin(design, ",", [](std::string* out, double number) {
+      absl::StrAppendFormat(out, "%.17g", number);
+    }));
+  }
+  return OpenPageAt(page, absl::StrCat("#test=", absl::StrJoin(points, ";")), flags);
 }
 
 }  // namespace mortise::testing

@@ -84,4 +84,10 @@ render::Shape PegShape(const Eigen::Vector3d& start, const Eigen::Vector3d& end,
   return shape;
 }
 
+render::Shape PegShape(const Peg& peg, const Eigen::Vector3d& offset) {
+  const Eigen::Vector3d face = peg.position + offset;
+  return PegShape(face - peg.depth_in_part * peg.direction,
+                  face + (peg.length - peg.depth_in_part) * peg.direction, peg.diameter);
+}
+
 }  // namespace mortise::fabplanner

@@ -12,4 +12,7 @@ render::Shape PartShape(const Part& part, const Eigen::Vector3d& offset);
 // Returns a round peg from `start` to `end`, m.
 render::Shape PegShape(const Eigen::Vector3d& start, const Eigen::Vector3d& end, double diameter);
 
+// Returns a peg of the design, moved by `offset` (m).
+render::Shape PegShape(const Peg& peg, const Eigen::Vector3d& offset);
+
 }  // namespace mortise::fabplanner

@@ -8,6 +8,8 @@
 #include "common/mesh/files/stl.h"
 #include "services/fabplanner/documents/assembly_guide_html.h"
 #include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/guide_contents.h"
+#include "services/fabplanner/documents/guide_scene.h"
 #include "services/fabplanner/documents/layout_svg.h"
 #include "services/fabplanner/documents/part_drawing.h"
 #include "services/fabplanner/documents/part_mesh.h"
@@ -15,6 +17,8 @@
 
 namespace mortise::fabplanner {
 namespace {
+
+constexpr int kDocuments = 1;  // besides tables, drawings and pictures
 
 // An SVG and an STL of each part that has drawings; alike parts share theirs.
 absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
@@ -35,6 +39,18 @@ absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
   return absl::OkStatus();
 }
 
+// The page.
+absl::Status AddGuides(const FabricationPlan& plan, const Design& design, const Items& items,
+                       const std::string& title, const std::vector<std::string>& pictures,
+                       const std::vector<SceneStep>& steps, std::vector<PlanFile>* files) {
+  MORTISE_ASSIGN_OR_RETURN(const GuideContents contents,
+                           ContentsOf(plan, design, items, title));
+  MORTISE_ASSIGN_OR_RETURN(const GuideScene scene, PackGuideScene(steps));
+  files->push_back(
+      {"assembly-guide.html", "text/html", AssemblyGuideHtml(contents, pictures, scene)});
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::string StepPictureName(int number) { return absl::StrCat("step-", number, ".png"); }
@@ -51,16 +67,19 @@ absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
   if (!plan.boards.empty()) files.push_back({"boards.svg", "image/svg+xml", BoardsSvg(plan)});
   if (!plan.sheets.empty()) files.push_back({"sheets.svg", "image/svg+xml", SheetsSvg(plan)});
   MORTISE_RETURN_IF_ERROR(AddDrawings(plan, design, &files));
-  const int total = static_cast<int>(files.size() + plan.steps.size()) + 1;
+  const int total = static_cast<int>(files.size() + plan.steps.size()) + kDocuments;
   std::vector<std::string> pictures;
+  std::vector<SceneStep> scene;
   for (const AssemblyStep& step : plan.steps) {
     if (!progress(static_cast<int>(files.size()), total)) return absl::CancelledError();
-    MORTISE_ASSIGN_OR_RETURN(pictures.emplace_back(),
-                             StepPicture(design, items, plan.holes, plan.steps, step.number));
-    files.push_back({StepPictureName(step.number), "image/png", pictures.back()});
+    StepArrangement arrangement = ArrangeStep(design, items, plan.holes, plan.steps, step.number);
+    MORTISE_ASSIGN_OR_RETURN(StepPicture picture, DrawStep(arrangement));
+    scene.push_back({step.number, std::move(arrangement), picture.view});
+    files.push_back({StepPictureName(step.number), "image/png", picture.png});
+    pictures.push_back(std::move(picture.png));
   }
-  files.push_back({"assembly-guide.html", "text/html",
-                   AssemblyGuideHtml(plan, design, items, title, pictures)});
+  if (!progress(static_cast<int>(files.size()), total)) return absl::CancelledError();
+  MORTISE_RETURN_IF_ERROR(AddGuides(plan, design, items, title, pictures, scene, &files));
   return files;
 }
 

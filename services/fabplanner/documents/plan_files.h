@@ -24,9 +24,9 @@ std::string StepPictureName(int number);
 using FileProgress = std::function<bool(int done, int total)>;
 
 // Makes cut-list.csv, bill-of-materials.csv, parts.csv, holes.csv, boards.svg and sheets.svg (where
-// there are any), an SVG and an STL of what is made to shape, a picture a step, and
-// assembly-guide.html, which holds them. `title` of the design is for people. CANCELLED if
-// `progress` says so.
+// there are any), an SVG and an STL of what is made to shape, a picture a step,
+// assembly-guide.html, which holds them and their shapes. `title` of the design is for people.
+// CANCELLED if `progress` says so.
 absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
                                                     const Design& design, const Items& items,
                                                     const std::string& title,

@@ -1,5 +1,5 @@
-// Says how pictures of steps look: colours, size, and from where they are seen. Internal to
-// assembly_picture and step_picture.
+// Says how pictures of steps look: colours, size, and from where they are seen. Private to
+// this folder.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,7 +11,9 @@
 #include "common/render/image.h"
 #include "services/fabplanner/documents/assembly_guide_html.h"
 #include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/guide_contents.h"
 #include "services/fabplanner/documents/layout_svg.h"
+#include "services/fabplanner/documents/step_arrangement.h"
 #include "services/fabplanner/documents/svg_drawing.h"
 #include "services/fabplanner/planning/planning.h"
 #include "tests/support/png_image.h"
@@ -102,8 +104,9 @@ TEST(LayoutSvgTest, EndsAreDrawnAsTheyRunAndMarkedWithTheirAngles) {
   Design design = ExampleTable();
   plan = PlanOf(1);
   plan.parts[0].ends = {mitre, bevel};
-  EXPECT_THAT(AssemblyGuideHtml(plan, design, ExampleItems(), "Table", {}),
-              HasSubstr("ends 45° and bevel 30°"));
+  const auto contents = ContentsOf(plan, design, ExampleItems(), "Table");
+  ASSERT_TRUE(contents.ok()) << contents.status();
+  EXPECT_THAT(AssemblyGuideHtml(*contents, {}, {}), HasSubstr("ends 45° and bevel 30°"));
 }
 
 TEST(LayoutSvgTest, SheetsShowOutlinesWithSizeAndPlace) {
@@ -152,28 +155,30 @@ TEST(AssemblyPictureTest, EachStepHasADifferentPictureAndTheGuideHoldsThem) {
   const FabricationPlan plan = PlanOf(2);
   std::vector<std::string> pictures;
   for (const AssemblyStep& step : plan.steps) {
-    const auto picture = StepPicture(design, ExampleItems(), plan.holes, plan.steps, step.number);
+    const auto picture =
+        DrawStep(ArrangeStep(design, ExampleItems(), plan.holes, plan.steps, step.number));
     ASSERT_TRUE(picture.ok()) << picture.status();
-    Keep("step-" + std::to_string(step.number) + ".png", *picture);
-    const auto image = testing::DecodePng(*picture);
+    Keep("step-" + std::to_string(step.number) + ".png", picture->png);
+    const auto image = testing::DecodePng(picture->png);
     ASSERT_TRUE(image.ok()) << image.status();
     EXPECT_EQ(image->width, 900);
     EXPECT_GT(std::set(image->pixels.begin(), image->pixels.end()).size(), 10);
-    pictures.push_back(*picture);
+    pictures.push_back(picture->png);
   }
   EXPECT_NE(pictures[0], pictures[1]);
-  EXPECT_EQ(StepPicture(design, ExampleItems(), plan.holes, plan.steps, 4).status().code(),
-            absl::StatusCode::kInvalidArgument);
 
-  const std::string html =
-      AssemblyGuideHtml(plan, design, ExampleItems(), "Table <for two>", pictures);
+  const auto contents = ContentsOf(plan, design, ExampleItems(), "Table <for two>");
+  ASSERT_TRUE(contents.ok()) << contents.status();
+  const std::string html = AssemblyGuideHtml(*contents, pictures, {});
   Keep("assembly.html", html);
   EXPECT_THAT(html, StartsWith("<!DOCTYPE html>"));
-  EXPECT_EQ(Count(html, "src=\"data:image/png;base64,"), 3);
+  EXPECT_EQ(Count(html, "width=\"900\" height=\"675\" src=\"data:image/png;base64,"), 3);
   EXPECT_THAT(html, HasSubstr("Table &lt;for two&gt;"));
   EXPECT_THAT(html, HasSubstr("make 2 of them"));
   EXPECT_THAT(html, HasSubstr("3 ×</td><td>Beech dowel"));
-  EXPECT_THAT(html, Not(HasSubstr("http://")));  // needs nothing from elsewhere
+  // Needs nothing from elsewhere: what names a host is the name of a format.
+  EXPECT_EQ(Count(html, "http://"), Count(html, "http://www.w3.org/2000/svg"));
+  EXPECT_THAT(html, Not(HasSubstr("https://")));
 }
 
 }  // namespace
