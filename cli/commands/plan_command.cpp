@@ -26,6 +26,7 @@ struct PlanOptions {
   std::string kerf, board_trim, sheet_trim, sheet_spacing;
   std::string mitre_limit, bevel_limit, jigsaw_radius;
   bool no_compound_cuts = false;
+  std::string label_address;
   TagOptions tags;
   std::filesystem::path out;
   bool detach = false;
@@ -98,6 +99,7 @@ absl::Status Plan(const PlanOptions& options, Session& session, Output& output) 
   request.set_request_id(NewIdentifier());
   request.set_template_(ResourceName("templates", options.subject));
   request.set_quantity(options.quantity);
+  request.set_label_address(options.label_address);
   MORTISE_ASSIGN_OR_RETURN(const auto parameters, ParseParameters(options.parameters));
   request.mutable_parameters()->Assign(parameters.begin(), parameters.end());
   MORTISE_RETURN_IF_ERROR(AddRules(options, request));
@@ -156,7 +158,9 @@ void AddPlanCommand(CLI::App& app, Session& session) {
   flags.Add("--jigsaw-radius", options->jigsaw_radius,
             "Least radius of inner arcs that the jigsaw follows; 10mm if absent",
             "rules.jigsaw_radius");
-  flags.Add("--out", options->out, "Folder for cut list, bill, layouts and assembly guide");
+  flags.Add("--label-address", options->label_address,
+            "Where codes on labels lead to, such as https://example.com/shop/", "label_address");
+  flags.Add("--out", options->out, "Folder for cut list, bill, layouts, assembly guide and labels");
   AddTagOptions(flags, options->tags);
   AddDetach(flags.command(), options->detach)->excludes("--out");
   flags.command().footer("Example: mortise plan table --set length=1500mm --out out/plan");

@@ -1,14 +1,13 @@
 #include "services/fabplanner/documents/layout_svg.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <tuple>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/render/image.h"
+#include "services/fabplanner/documents/alike_stock.h"
 #include "services/fabplanner/documents/svg_drawing.h"
 #include "services/fabplanner/plan/dimension_text.h"
 
@@ -20,43 +19,6 @@ constexpr double kMargin = 40;          // px
 constexpr double kDrawingWidth = 1040;  // px, of the longest stock
 constexpr double kBoardHeight = 40;     // px
 constexpr double kRow = 15;             // px, between two rows of dimensions
-
-// Stock that is cut alike: the first of it, and the labels of all.
-struct Alike {
-  std::size_t first = 0;
-  std::vector<std::string> labels;
-};
-
-constexpr std::size_t kMaxLabels = 12;
-
-// "board-1", or "board-1, 3, 5, 7 (4 alike)".
-std::string LabelsText(const Alike& alike) {
-  std::string text = alike.labels.front();
-  if (alike.labels.size() == 1) return text;
-  for (std::size_t i = 1; i < std::min(alike.labels.size(), kMaxLabels); ++i) {
-    const std::string& label = alike.labels[i];
-    absl::StrAppend(&text, ", ", label.substr(label.rfind('-') + 1));
-  }
-  if (alike.labels.size() > kMaxLabels) absl::StrAppend(&text, " …");
-  return absl::StrCat(text, " (", alike.labels.size(), " alike)");
-}
-
-std::string WithoutCopy(const std::string& label) { return label.substr(0, label.find('.')); }
-
-int64_t Micrometres(double metres) { return std::llround(metres * 1e6); }
-
-// Groups by what a cut looks like; `key` makes an ordered description of layout i.
-template <class Layout, class Key>
-std::vector<Alike> GroupAlike(const std::vector<Layout>& layouts, Key key) {
-  std::vector<Alike> groups;
-  std::map<decltype(key(layouts.front())), std::size_t> known;
-  for (std::size_t i = 0; i < layouts.size(); ++i) {
-    const auto [entry, is_new] = known.emplace(key(layouts[i]), groups.size());
-    if (is_new) groups.push_back({i, {}});
-    groups[entry->second].labels.push_back(layouts[i].label);
-  }
-  return groups;
-}
 
 // The same part has the same colour in all diagrams.
 class PartColors {
@@ -187,34 +149,6 @@ double DrawBoard(SvgDrawing& drawing, const BoardLayout& board, const WorkshopRu
   return kBoardHeight + (HasSlopedEnds(board) ? 2 * kRow : 0);
 }
 
-auto BoardKey(const BoardLayout& board) {
-  std::vector<std::tuple<std::string, int64_t, std::array<int64_t, 4>>> parts;
-  for (const BoardSegment& segment : board.segments) {
-    const CutEnds& ends = segment.ends;
-    parts.emplace_back(WithoutCopy(segment.part), Micrometres(segment.length),
-                       std::array<int64_t, 4>{Micrometres(ends.front.across * board.width),
-                                              Micrometres(ends.front.through * board.thickness),
-                                              Micrometres(ends.rear.across * board.width),
-                                              Micrometres(ends.rear.through * board.thickness)});
-  }
-  return std::make_tuple(board.item, Micrometres(board.width), Micrometres(board.thickness),
-                         Micrometres(board.stock_length), parts);
-}
-
-auto SheetKey(const SheetLayout& sheet) {
-  std::vector<std::pair<std::string, std::vector<int64_t>>> parts;
-  for (const SheetPlacement& placement : sheet.placements) {
-    std::vector<int64_t> points;
-    for (const Eigen::Vector2d& point : placement.outline) {
-      points.push_back(Micrometres(point.x()));
-      points.push_back(Micrometres(point.y()));
-    }
-    parts.emplace_back(WithoutCopy(placement.part), points);
-  }
-  return std::make_tuple(sheet.item, Micrometres(sheet.length), Micrometres(sheet.width),
-                         Micrometres(sheet.thickness), parts);
-}
-
 // The centre of a polygon's area: inside most outlines, where their label goes.
 Eigen::Vector2d CentreOf(const std::vector<Eigen::Vector2d>& outline) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -284,7 +218,7 @@ std::string BoardsSvg(const FabricationPlan& plan) {
                  "quiet");
   }
   const BoardLayout* last = nullptr;
-  for (const Alike& alike : GroupAlike(plan.boards, BoardKey)) {
+  for (const AlikeStock& alike : AlikeBoards(plan.boards)) {
     const BoardLayout& board = plan.boards[alike.first];
     if (last == nullptr || last->item != board.item || last->width != board.width ||
         last->thickness != board.thickness) {
@@ -316,7 +250,7 @@ std::string SheetsSvg(const FabricationPlan& plan) {
                             " between outlines. Positions from the lower left corner; a grain, "
                             "where there is one, runs from left to right."),
                "quiet");
-  for (const Alike& alike : GroupAlike(plan.sheets, SheetKey)) {
+  for (const AlikeStock& alike : AlikeSheets(plan.sheets)) {
     const SheetLayout& sheet = plan.sheets[alike.first];
     drawing.Text(kMargin, y += 40, 14, TextAnchor::kStart,
                  absl::StrCat(LabelsText(alike), ": ", sheet.item, ", ",

@@ -7,9 +7,12 @@
 #include "common/base/errors.h"
 #include "common/mesh/files/stl.h"
 #include "services/fabplanner/documents/assembly_guide_html.h"
+#include "services/fabplanner/documents/assembly_guide_pdf.h"
 #include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/cut_list_pdf.h"
 #include "services/fabplanner/documents/guide_contents.h"
 #include "services/fabplanner/documents/guide_scene.h"
+#include "services/fabplanner/documents/labels_pdf.h"
 #include "services/fabplanner/documents/layout_svg.h"
 #include "services/fabplanner/documents/part_drawing.h"
 #include "services/fabplanner/documents/part_mesh.h"
@@ -18,7 +21,8 @@
 namespace mortise::fabplanner {
 namespace {
 
-constexpr int kDocuments = 1;  // besides tables, drawings and pictures
+constexpr int kDocuments = 4;  // besides tables, drawings and pictures
+constexpr char kPdf[] = "application/pdf";
 
 // An SVG and an STL of each part that has drawings; alike parts share theirs.
 absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
@@ -39,15 +43,30 @@ absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
   return absl::OkStatus();
 }
 
-// The page.
+// The page, and what is printed of it.
 absl::Status AddGuides(const FabricationPlan& plan, const Design& design, const Items& items,
-                       const std::string& title, const std::vector<std::string>& pictures,
+                       const PlanNames& names, const std::vector<std::string>& pictures,
                        const std::vector<SceneStep>& steps, std::vector<PlanFile>* files) {
   MORTISE_ASSIGN_OR_RETURN(const GuideContents contents,
-                           ContentsOf(plan, design, items, title));
+                           ContentsOf(plan, design, items, names.title));
   MORTISE_ASSIGN_OR_RETURN(const GuideScene scene, PackGuideScene(steps));
   files->push_back(
       {"assembly-guide.html", "text/html", AssemblyGuideHtml(contents, pictures, scene)});
+  MORTISE_ASSIGN_OR_RETURN(std::string guide, AssemblyGuidePdf(contents, pictures));
+  files->push_back({"assembly-guide.pdf", kPdf, std::move(guide)});
+  return absl::OkStatus();
+}
+
+// What is printed for the saw, and to stick on what comes off it.
+absl::Status AddPaper(const FabricationPlan& plan, const Design& design, const Items& items,
+                      const PlanNames& names, std::vector<PlanFile>* files) {
+  MORTISE_ASSIGN_OR_RETURN(std::string cut_list, CutListPdf(plan, items, names.title));
+  files->push_back({"cut-list.pdf", kPdf, std::move(cut_list)});
+  const std::vector<LabelContents> labels = LabelsOf(plan, design, items, names);
+  if (labels.empty()) return absl::OkStatus();
+  MORTISE_ASSIGN_OR_RETURN(std::string sheet,
+                           LabelsPdf(labels, absl::StrCat(names.title, ": labels")));
+  files->push_back({"labels.pdf", kPdf, std::move(sheet)});
   return absl::OkStatus();
 }
 
@@ -57,7 +76,7 @@ std::string StepPictureName(int number) { return absl::StrCat("step-", number, "
 
 absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
                                                     const Design& design, const Items& items,
-                                                    const std::string& title,
+                                                    const PlanNames& names,
                                                     const FileProgress& progress) {
   std::vector<PlanFile> files;
   files.push_back({"cut-list.csv", "text/csv", CutListCsv(plan)});
@@ -79,7 +98,8 @@ absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
     pictures.push_back(std::move(picture.png));
   }
   if (!progress(static_cast<int>(files.size()), total)) return absl::CancelledError();
-  MORTISE_RETURN_IF_ERROR(AddGuides(plan, design, items, title, pictures, scene, &files));
+  MORTISE_RETURN_IF_ERROR(AddGuides(plan, design, items, names, pictures, scene, &files));
+  MORTISE_RETURN_IF_ERROR(AddPaper(plan, design, items, names, &files));
   return files;
 }
 

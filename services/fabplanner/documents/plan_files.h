@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "services/fabplanner/documents/part_labels.h"
 #include "services/fabplanner/plan/design.h"
 #include "services/fabplanner/plan/plan.h"
 
@@ -25,11 +26,11 @@ using FileProgress = std::function<bool(int done, int total)>;
 
 // Makes cut-list.csv, bill-of-materials.csv, parts.csv, holes.csv, boards.svg and sheets.svg (where
 // there are any), an SVG and an STL of what is made to shape, a picture a step,
-// assembly-guide.html, which holds them and their shapes. `title` of the design is for people.
-// CANCELLED if `progress` says so.
+// assembly-guide.html, which holds them and their shapes, and what is printed: assembly-guide.pdf,
+// cut-list.pdf and, where there are parts to label, labels.pdf. CANCELLED if `progress` says so.
 absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
                                                     const Design& design, const Items& items,
-                                                    const std::string& title,
+                                                    const PlanNames& names,
                                                     const FileProgress& progress);
 
 }  // namespace mortise::fabplanner

@@ -24,6 +24,7 @@
 #include "common/store/blob_folder.h"
 #include "mortise/v1/catalog.grpc.pb.h"
 #include "services/fabplanner/documents/part_drawing.h"
+#include "services/fabplanner/documents/part_labels.h"
 #include "services/fabplanner/documents/plan_files.h"
 #include "services/fabplanner/planning/nearest_parameters.h"
 #include "services/fabplanner/planning/part_making.h"
@@ -144,7 +145,7 @@ struct DrawnFiles {
   int total = 1;  // of the progress that was told
 };
 
-absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const v1::Template& origin,
+absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const PlanNames& names,
                                      operations::OperationContext& context) {
   DrawnFiles drawn;
   const auto tell = [&](int done, int total) {
@@ -152,9 +153,8 @@ absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const v1::Tem
     context.ReportProgress({.done = done, .total = total, .message = "drawing the assembly"});
     return !context.Cancelled();
   };
-  MORTISE_ASSIGN_OR_RETURN(
-      drawn.files, MakePlanFiles(planned.plan, planned.design, planned.items,
-                                 origin.title().empty() ? origin.name() : origin.title(), tell));
+  MORTISE_ASSIGN_OR_RETURN(drawn.files,
+                           MakePlanFiles(planned.plan, planned.design, planned.items, names, tell));
   return drawn;
 }
 
@@ -185,6 +185,7 @@ absl::Status CheckRequest(const v1::CreatePlanRequest& request) {
     status = CombineViolations(status, InvalidField("quantity", "must be 1 to 1000"));
   }
   status = CombineViolations(status, CheckRules(RulesFrom(request.rules())));
+  status = CombineViolations(status, CheckLabelAddress(request.label_address(), "label_address"));
   return CombineViolations(status, resources::ValidateTags(request));
 }
 
@@ -353,8 +354,10 @@ absl::StatusOr<std::string> PlanOperation::Run(operations::OperationContext& con
                            PlanDesign(request, inputs.design, inputs.bundle, context));
   MORTISE_RETURN_IF_ERROR(FindNearestParameters(inputs, planned.items, &planned.plan, context));
   MORTISE_ASSIGN_OR_RETURN(std::string step, AttachStep(inputs.design, &planned.plan, context));
-  MORTISE_ASSIGN_OR_RETURN(DrawnFiles drawn,
-                           DrawFiles(planned, inputs.bundle.template_(), context));
+  const v1::Template& origin = inputs.bundle.template_();
+  const PlanNames names = {origin.title().empty() ? origin.name() : origin.title(),
+                           absl::StrCat("plans/", id), request.label_address()};
+  MORTISE_ASSIGN_OR_RETURN(DrawnFiles drawn, DrawFiles(planned, names, context));
   if (!step.empty()) drawn.files.push_back({kStepFile, "model/step", std::move(step)});
 
   plan = MessageOf(id, planned, inputs.design);

@@ -4,8 +4,10 @@
 
 #include <cmath>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "tests/integration/services/fabplanner/fabplanner_service_fixture.h"
+#include "tests/support/printed_pages.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -24,7 +26,7 @@ TEST_F(FabPlannerServiceTest, PlansATableWithItsFiles) {
   EXPECT_DOUBLE_EQ(plan.rules().kerf(), 0.003);
   EXPECT_DOUBLE_EQ(plan.total().amount(), 121.88);
   EXPECT_EQ(plan.parameters(0).name(), "length");
-  ASSERT_EQ(plan.artifacts_size(), 6 + 3 + 1);
+  ASSERT_EQ(plan.artifacts_size(), 6 + 3 + 4);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     std::string sha256;
     const std::string bytes = Download(plan, artifact.file_name(), &sha256);
@@ -75,6 +77,23 @@ TEST_F(FabPlannerServiceTest, PlansWhatScrewsHoldTogether) {
   EXPECT_EQ(order.cuts_total(), 4);
   EXPECT_EQ(order.handwork_size(), plan.handwork_size());
   EXPECT_GT(order.handwork_size(), 0);
+}
+
+TEST_F(FabPlannerServiceTest, CodesOnLabelsNameThePlan) {
+  v1::CreatePlanRequest request = TableRequest();
+  request.set_label_address("https://shop.example.com");
+  const v1::Operation operation = CreatePlan(request);
+  ASSERT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+  v1::Plan plan;
+  ASSERT_TRUE(operation.result().UnpackTo(&plan));
+  std::string sha256;
+  const std::vector<std::string> codes = testing::CodesOn(Download(plan, "labels.pdf", &sha256), 1);
+  EXPECT_EQ(codes.size(), 9u);
+  EXPECT_THAT(codes, ::testing::Contains(absl::StrCat("https://shop.example.com/", plan.name(),
+                                                      "/parts/top?step=3")));
+  for (const char* file : {"assembly-guide.pdf", "cut-list.pdf"}) {
+    EXPECT_THAT(Download(plan, file, &sha256), ::testing::StartsWith("%PDF-")) << file;
+  }
 }
 
 TEST_F(FabPlannerServiceTest, PlansWhatIsMadeToDrawing) {
@@ -194,8 +213,10 @@ TEST_F(FabPlannerServiceTest, BadPlansAreRefusedWithTheFieldAtFault) {
   request.mutable_rules()->set_sheet_trim(-1);
   request.set_quantity(-1);
   request.set_template_revision(-1);
+  request.set_label_address("shop.example.com");
   const std::string all = refused(request);
-  for (const char* field : {"rules.kerf", "rules.sheet_trim", "quantity", "template_revision"}) {
+  for (const char* field :
+       {"rules.kerf", "rules.sheet_trim", "quantity", "template_revision", "label_address"}) {
     EXPECT_THAT(all, HasSubstr(field));
   }
   request = TableRequest();

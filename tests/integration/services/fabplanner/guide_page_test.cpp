@@ -25,7 +25,7 @@ std::string GuideOf(const Design& design, const Items& items, const std::string&
   EXPECT_TRUE(plan.ok()) << plan.status();
   if (!plan.ok()) return "";
   const auto files =
-      MakePlanFiles(*plan, design, items, title, [](int, int) { return true; });
+      MakePlanFiles(*plan, design, items, {title, "plans/1"}, [](int, int) { return true; });
   EXPECT_TRUE(files.ok()) << files.status();
   if (!files.ok()) return "";
   for (const PlanFile& file : *files) {

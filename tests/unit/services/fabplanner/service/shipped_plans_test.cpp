@@ -227,7 +227,7 @@ void KeepFiles(const std::string& name, const FabricationPlan& plan, const Desig
                const Items& items) {
   const char* folder = std::getenv("MORTISE_KEEP_PLANS");
   if (folder == nullptr) return;
-  const auto files = MakePlanFiles(plan, design, items, name, [](int, int) { return true; });
+  const auto files = MakePlanFiles(plan, design, items, {name}, [](int, int) { return true; });
   ASSERT_TRUE(files.ok()) << files.status();
   const std::filesystem::path path = std::filesystem::path(folder) / name;
   std::filesystem::create_directories(path);
