@@ -21,6 +21,14 @@ find_package(NLopt CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(assimp 5.2 CONFIG REQUIRED)
 pkg_check_modules(ZeroMQ REQUIRED IMPORTED_TARGET libzmq)
+# Of its flag -isystem CMake makes a folder to include when it is configured first, and an option ever
+# after. The compiler's cache is only of use to other clones if the flags are the same: always an option.
+get_target_property(zeromq_folders PkgConfig::ZeroMQ INTERFACE_INCLUDE_DIRECTORIES)
+list(FILTER zeromq_folders EXCLUDE REGEX krb5)
+set(zeromq_options $CACHE{ZeroMQ_CFLAGS})
+list(FILTER zeromq_options EXCLUDE REGEX "^-I")
+set_target_properties(PkgConfig::ZeroMQ PROPERTIES
+  INTERFACE_INCLUDE_DIRECTORIES "${zeromq_folders}" INTERFACE_COMPILE_OPTIONS "${zeromq_options}")
 pkg_check_modules(Modbus REQUIRED IMPORTED_TARGET libmodbus)
 pkg_check_modules(Cares REQUIRED IMPORTED_TARGET libcares)
 pkg_check_modules(Clp REQUIRED IMPORTED_TARGET clp)
