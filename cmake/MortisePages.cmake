@@ -25,7 +25,5 @@ function(mortise_page name)
     DEPENDS ${joiner} ${folder}/page.css ${folder}/page.html ${modules}
     VERBATIM)
   string(TOUPPER ${name} definition)
-  set_source_files_properties(${ARG_SOURCE} PROPERTIES
-    OBJECT_DEPENDS ${joined}
-    COMPILE_DEFINITIONS MORTISE_${definition}="${joined}")
+  mortise_embed(${ARG_SOURCE} MORTISE_${definition} ${joined})
 endfunction()

@@ -103,6 +103,22 @@ function(mortise_library name)
   endif()
 endfunction()
 
+# mortise_embed(<source> <definition> <file>)
+# Tells <source>, of the same CMakeLists.txt, the path of a file that it takes into the program with .incbin:
+# as <definition>. It includes <definition>_DIGEST, a header that changes as the file does: the compiler's
+# cache sees includes only, and would give an object with the file of before.
+function(mortise_embed source definition file)
+  add_custom_command(
+    OUTPUT ${file}.digest.h
+    COMMAND ${CMAKE_COMMAND} -DFILE=${file} -DOUTPUT=${file}.digest.h
+            -P ${CMAKE_SOURCE_DIR}/cmake/digest_header.cmake
+    DEPENDS ${file} ${CMAKE_SOURCE_DIR}/cmake/digest_header.cmake
+    VERBATIM)
+  set_source_files_properties(${source} PROPERTIES
+    OBJECT_DEPENDS "${file};${file}.digest.h"
+    COMPILE_DEFINITIONS "${definition}=\"${file}\";${definition}_DIGEST=\"${file}.digest.h\"")
+endfunction()
+
 # Every program of a running house, and nothing that only tests or makes data: what `./dev demo` builds.
 add_custom_target(house)
 

@@ -2,6 +2,8 @@
 
 #include "common/pages/embedded_page.h"
 
+#include MORTISE_EXPLORE_PAGE_DIGEST
+
 MORTISE_EMBED_PAGE(mortise_explore_page, MORTISE_EXPLORE_PAGE)
 
 namespace mortise::cli {

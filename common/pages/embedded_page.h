@@ -1,5 +1,6 @@
 // Puts a page that mortise_page (cmake/MortisePages.cmake) has joined into the program.
 //
+//   #include MORTISE_EXPLORE_PAGE_DIGEST
 //   MORTISE_EMBED_PAGE(mortise_explore_page, MORTISE_EXPLORE_PAGE)
 //   std::string_view PageSource() { return MORTISE_EMBEDDED_PAGE(mortise_explore_page); }
 #pragma once

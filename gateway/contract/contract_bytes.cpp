@@ -1,6 +1,8 @@
 // Puts the compiled descriptor set (MORTISE_DESCRIPTOR_SET, see CMakeLists.txt) into the program.
 #include "gateway/contract/contract.h"
 
+#include MORTISE_DESCRIPTOR_SET_DIGEST
+
 __asm__(
     ".section .rodata\n"
     ".balign 16\n"

@@ -2,6 +2,8 @@
 
 #include "common/pages/embedded_page.h"
 
+#include MORTISE_GUIDE_PAGE_DIGEST
+
 MORTISE_EMBED_PAGE(mortise_guide_page, MORTISE_GUIDE_PAGE)
 
 namespace mortise::fabplanner {
