@@ -5,12 +5,17 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
+
+namespace mortise::terrain {
+class HeightField;
+}
 
 namespace mortise::parametric {
 
@@ -248,6 +253,13 @@ struct BoundaryCondition {
   std::string present = {};             // expression, a condition; always if empty
 };
 
+// Ground that a design stands on.
+struct Ground {
+  std::string name;  // identifier of expressions
+  std::string title;
+  std::shared_ptr<const terrain::HeightField> heights;  // m, the datum taken off
+};
+
 struct TemplateDefinition {
   std::string name;  // templates/{id}
   int64_t revision = 0;
@@ -259,6 +271,7 @@ struct TemplateDefinition {
   std::vector<BoundaryCondition> boundary_conditions;
   std::string reference_temperature = {};  // expression, K; empty if there is no thermal stress
   std::string digest;                      // SHA-256 of the content
+  std::vector<Ground> grounds = {};
 };
 
 // A template with every item and material it uses: all that F(q) needs.

@@ -1,0 +1,84 @@
+// Ground as heights over a plane: a grid as rasters and surveys have it, or triangles as scans do.
+// What is known of it between the points that are given: heights, slopes, and the extremes under a
+// rectangle, each with its derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace mortise::terrain {
+
+// Heights on a grid. Between them they follow the four corners of a cell (bilinear).
+struct HeightGrid {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  // m, x of the first column, y of the first row
+  Eigen::Vector2d spacing = Eigen::Vector2d::Ones();  // m, > 0
+  // Columns along x × rows along y, m; at least 2 × 2. Not a number where nothing is known.
+  Eigen::MatrixXd heights;
+};
+
+// Heights as flat triangles, which lie beside each other as seen from above.
+struct HeightTriangles {
+  Eigen::Matrix3Xd vertices;   // m
+  Eigen::Matrix3Xi triangles;  // vertices of each, in either direction
+};
+
+// A value at a place, with its derivatives by x and y.
+struct PlaceValue {
+  double value = 0;
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+};
+
+// A rectangle along the axes, m.
+struct Rectangle {
+  double from_x = 0;
+  double to_x = 0;  // >= from_x
+  double from_y = 0;
+  double to_y = 0;  // >= from_y
+};
+
+// A value of a rectangle, with its derivatives by from_x, to_x, from_y and to_y.
+struct RectangleValue {
+  double value = 0;
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+};
+
+// Immutable; thread safe. At edges of cells and triangles derivatives are those of one side.
+class HeightField {
+ public:
+  // The most heights of a grid or vertices that one may have, and as many triangles again.
+  static constexpr std::size_t kMaxHeights = 100'000;
+
+  // INVALID_ARGUMENT naming what is wrong, with the field ("heights", "x_spacing", "vertices",
+  // "triangles"): too few or too many, spacings that are not positive, numbers that are not finite
+  // (of a grid heights may be unknown, though not all), triangles without an area, of vertices that
+  // are not there, or that lie over each other.
+  static absl::StatusOr<std::shared_ptr<const HeightField>> Create(HeightGrid grid);
+  static absl::StatusOr<std::shared_ptr<const HeightField>> Create(HeightTriangles triangles);
+
+  virtual ~HeightField() = default;
+
+  // Returns the height at a place, m. OUT_OF_RANGE saying where the field is known, or that it has
+  // a hole there.
+  virtual absl::StatusOr<PlaceValue> HeightAt(double x, double y) const = 0;
+
+  // Returns the steepest rise at a place, m of height a m of way, at least 0; fails as HeightAt.
+  virtual absl::StatusOr<PlaceValue> SlopeAt(double x, double y) const = 0;
+
+  // Returns the lowest and the highest height under a rectangle, which may be a line or a point, m.
+  // INVALID_ARGUMENT where it ends before it begins; else fails as HeightAt, also where only a
+  // piece of it is not known. Takes time with the cells or triangles under it.
+  absl::StatusOr<RectangleValue> LowestUnder(const Rectangle& rectangle) const;
+  absl::StatusOr<RectangleValue> HighestUnder(const Rectangle& rectangle) const;
+
+ private:
+  // The extreme of sign times the height.
+  virtual absl::StatusOr<RectangleValue> LargestUnder(const Rectangle& rectangle,
+                                                      double sign) const = 0;
+};
+
+}  // namespace mortise::terrain
