@@ -6,8 +6,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
-#include <string>
-#include <vector>
+#include <variant>
 
 #include "absl/status/statusor.h"
 
@@ -26,6 +25,9 @@ struct HeightTriangles {
   Eigen::Matrix3Xd vertices;   // m
   Eigen::Matrix3Xi triangles;  // vertices of each, in either direction
 };
+
+// What a height field is made of.
+using GivenHeights = std::variant<HeightGrid, HeightTriangles>;
 
 // A value at a place, with its derivatives by x and y.
 struct PlaceValue {
@@ -50,20 +52,28 @@ struct RectangleValue {
 // Immutable; thread safe. At edges of cells and triangles derivatives are those of one side.
 class HeightField {
  public:
-  // The most heights of a grid or vertices that one may have, and as many triangles again.
+  // The most heights of a grid, or vertices, that one may have; of triangles, twice as many.
   static constexpr std::size_t kMaxHeights = 100'000;
 
-  // INVALID_ARGUMENT naming what is wrong, with the field ("heights", "x_spacing", "vertices",
-  // "triangles"): too few or too many, spacings that are not positive, numbers that are not finite
-  // (of a grid heights may be unknown, though not all), triangles without an area, of vertices that
-  // are not there, or that lie over each other.
+  // The farthest from the origin that it may lie, and the highest or lowest, m.
+  static constexpr double kMaxFromOrigin = 1e8;
+
+  // How far outside of the border, and from one triangle to the next, a place counts as inside, m.
+  static constexpr double kBorder = 1e-9;
+
+  // INVALID_ARGUMENT naming everything that is wrong, with the field as messages have it
+  // ("heights", "heights[7]", "x", "x_spacing", "vertices[2]", "triangles[4]"; elements in the
+  // order of mortise/v1/template.proto): too few or too many, spacings below a micrometre, numbers
+  // that are not finite or beyond kMaxFromOrigin (of a grid heights may be unknown, though some
+  // cell must be known at its four corners), triangles without an area, of vertices that are not
+  // there, or that lie over each other as seen from above.
   static absl::StatusOr<std::shared_ptr<const HeightField>> Create(HeightGrid grid);
   static absl::StatusOr<std::shared_ptr<const HeightField>> Create(HeightTriangles triangles);
 
   virtual ~HeightField() = default;
 
   // Returns the height at a place, m. OUT_OF_RANGE saying where the field is known, or that it has
-  // a hole there.
+  // a hole there, as what follows its name: "has a hole at x = 1 m, y = 2 m".
   virtual absl::StatusOr<PlaceValue> HeightAt(double x, double y) const = 0;
 
   // Returns the steepest rise at a place, m of height a m of way, at least 0; fails as HeightAt.
@@ -74,6 +84,12 @@ class HeightField {
   // piece of it is not known. Takes time with the cells or triangles under it.
   absl::StatusOr<RectangleValue> LowestUnder(const Rectangle& rectangle) const;
   absl::StatusOr<RectangleValue> HighestUnder(const Rectangle& rectangle) const;
+
+  // Returns what it was created of.
+  virtual GivenHeights Given() const = 0;
+
+  // Returns an estimate of the memory that it takes, bytes.
+  virtual std::size_t MemoryUse() const = 0;
 
  private:
   // The extreme of sign times the height.
