@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/expressions/expression_parser.h"
+#include "common/terrain/height_field.h"
 
 namespace mortise::parametric {
 namespace {
@@ -27,6 +28,7 @@ struct Stack {
   }
   double& Value(int below) { return values(top - 1 - below); }
   auto Gradient(int below) { return gradients.col(top - 1 - below); }
+  auto Upper(int count) const { return values.segment(top - count, count); }
   void Pop() { --top; }
 };
 
@@ -79,6 +81,17 @@ void ApplyFunction(Stack& stack, double value, double derivative) {
   Scale(stack.Gradient(0), derivative);
 }
 
+// Puts a value in place of the operands that it has derivatives by.
+void ApplyGround(Stack& stack, const Dual& found) {
+  const auto operands = static_cast<int>(found.gradient.size());
+  for (int i = 0; i < operands; ++i) Scale(stack.Gradient(i), found.gradient(operands - 1 - i));
+  for (int i = 1; i < operands; ++i) {
+    stack.Gradient(1) += stack.Gradient(0);
+    stack.Pop();
+  }
+  stack.Value(0) = found.value;
+}
+
 }  // namespace
 
 absl::StatusOr<Expression> Expression::Parse(std::string_view text,
@@ -117,6 +130,27 @@ bool Expression::Uses(int parameter) const {
   return std::any_of(program_.begin(), program_.end(), [parameter](const Instruction& instruction) {
     return instruction.operation == Operation::kParameter && instruction.parameter == parameter;
   });
+}
+
+absl::StatusOr<Dual> Expression::AskGround(
+    const Instruction& instruction, const Eigen::Ref<const Eigen::VectorXd>& operands) const {
+  const NamedGround& ground = grounds_[static_cast<std::size_t>(instruction.parameter)];
+  const auto answer = [&](const auto& found) -> absl::StatusOr<Dual> {
+    if (found.ok()) return Dual{found->value, found->gradient};
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", text_, "': ground '", ground.name, "' ", found.status().message()));
+  };
+  const terrain::HeightField& heights = *ground.heights;
+  if (instruction.operation == Operation::kGroundHeight) {
+    return answer(heights.HeightAt(operands(0), operands(1)));
+  }
+  if (instruction.operation == Operation::kGroundSlope) {
+    return answer(heights.SlopeAt(operands(0), operands(1)));
+  }
+  const terrain::Rectangle rectangle = {operands(0), operands(1), operands(2), operands(3)};
+  return instruction.operation == Operation::kGroundLowest
+             ? answer(heights.LowestUnder(rectangle))
+             : answer(heights.HighestUnder(rectangle));
 }
 
 absl::StatusOr<Dual> Expression::Run(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -215,6 +249,18 @@ absl::StatusOr<Dual> Expression::Run(const Eigen::Ref<const Eigen::VectorXd>& q,
       case Operation::kNot:
         stack.Value(0) = stack.Value(0) == 0 ? 1 : 0;
         break;
+      case Operation::kGroundHeight:
+      case Operation::kGroundSlope: {
+        MORTISE_ASSIGN_OR_RETURN(const Dual found, AskGround(instruction, stack.Upper(2)));
+        ApplyGround(stack, found);
+        break;
+      }
+      case Operation::kGroundLowest:
+      case Operation::kGroundHighest: {
+        MORTISE_ASSIGN_OR_RETURN(const Dual found, AskGround(instruction, stack.Upper(4)));
+        ApplyGround(stack, found);
+        break;
+      }
       case Operation::kJump:
         next = static_cast<std::size_t>(instruction.parameter);
         continue;

@@ -29,14 +29,6 @@ class DepthScope {
   int& depth_;
 };
 
-// What both are measured in; nothing where either may be anything.
-std::optional<Dimension> CommonDimension(const std::optional<Dimension>& a,
-                                         const std::optional<Dimension>& b) {
-  if (!a) return b;
-  if (!b || *a == *b) return a;
-  return std::nullopt;
-}
-
 std::optional<Dimension> Product(const std::optional<Dimension>& a,
                                  const std::optional<Dimension>& b, double power) {
   if (!a || !b) return std::nullopt;
@@ -51,9 +43,15 @@ std::optional<Dimension> Product(const std::optional<Dimension>& a,
 
 }  // namespace
 
-ExpressionParser::ExpressionParser(std::string_view text,
-                                   const std::vector<ExpressionName>& parameters)
-    : text_(text), parameters_(parameters) {}
+std::optional<Dimension> CommonDimension(const std::optional<Dimension>& a,
+                                         const std::optional<Dimension>& b) {
+  if (!a) return b;
+  if (!b || *a == *b) return a;
+  return std::nullopt;
+}
+
+ExpressionParser::ExpressionParser(std::string_view text, const std::vector<ExpressionName>& names)
+    : text_(text), names_(names) {}
 
 absl::StatusOr<Expression> ExpressionParser::Parse(bool is_condition) {
   if (text_.size() > Expression::kMaxLength) {
@@ -62,7 +60,7 @@ absl::StatusOr<Expression> ExpressionParser::Parse(bool is_condition) {
                                                    " are accepted"));
   }
   result_.text_ = std::string(text_);
-  result_.parameter_count_ = parameters_.size();
+  result_.parameter_count_ = static_cast<std::size_t>(NumberOf(static_cast<int>(names_.size())));
   MORTISE_ASSIGN_OR_RETURN(const Term whole, ParseEither());
   if (Peek() != '\0' || position_ < text_.size()) {
     return Fail(TakeComparison() ? "'and' or 'or', as one comparison follows another"
@@ -100,7 +98,7 @@ ExpressionParser::Parsed ExpressionParser::ParseBoth() {
 ExpressionParser::Parsed ExpressionParser::ParseNegation() {
   Peek();
   const std::size_t column = position_;
-  if (FindParameter("not") >= 0 || !TakeWord("not")) return ParseComparison();
+  if (FindName("not") >= 0 || !TakeWord("not")) return ParseComparison();
   const DepthScope scope(depth_);
   if (depth_ > Expression::kMaxDepth) {
     return Fail(absl::StrCat("at most ", Expression::kMaxDepth, " levels of nesting"));
@@ -161,7 +159,7 @@ absl::Status ExpressionParser::CompareChoice(const Term& left, const Term& right
                   is_choice ? "expected the name of a value in quotes, as a choice is compared"
                             : "expected a parameter that is a choice beside what is quoted");
   }
-  const ExpressionName& parameter = parameters_[static_cast<std::size_t>(choice.choice)];
+  const ExpressionName& parameter = names_[static_cast<std::size_t>(choice.choice)];
   if (operation != Operation::kEqual && operation != Operation::kNotEqual) {
     return FailAt(left.column, absl::StrCat("the values of '", parameter.name,
                                             "' have no order: only == and != compare them"));
@@ -198,10 +196,16 @@ absl::Status ExpressionParser::Require(const Term& term, Term::Kind kind) const 
     case Term::Kind::kCondition:
       return FailAt(term.column, absl::StrCat(expected, ", not a condition"));
     case Term::Kind::kChoice: {
-      const ExpressionName& choice = parameters_[static_cast<std::size_t>(term.choice)];
+      const ExpressionName& choice = names_[static_cast<std::size_t>(term.choice)];
       return FailAt(term.column, absl::StrCat(expected, "; '", choice.name,
                                               "' is a choice, to be compared with a value, as ",
                                               choice.name, " == '", choice.choices.front(), "'"));
+    }
+    case Term::Kind::kGround: {
+      const std::string& ground = names_[static_cast<std::size_t>(term.choice)].name;
+      return FailAt(term.column, absl::StrCat(expected, "; '", ground,
+                                              "' is ground, to be asked for a height, as terrain('",
+                                              ground, "', x, y)"));
     }
     case Term::Kind::kQuoted:
       break;
@@ -288,14 +292,20 @@ ExpressionParser::Parsed ExpressionParser::ParseNumber() {
   return Term{.column = column};
 }
 
+absl::StatusOr<std::string_view> ExpressionParser::TakeQuoted() {
+  const std::size_t begin = position_ + 1;
+  const std::size_t end = text_.find('\'', begin);
+  if (end == std::string_view::npos) return FailAt(position_, "the quotation has no end");
+  position_ = end + 1;
+  return text_.substr(begin, end - begin);
+}
+
 ExpressionParser::Parsed ExpressionParser::ParseQuoted() {
   const std::size_t column = position_;
-  const std::size_t end = text_.find('\'', column + 1);
-  if (end == std::string_view::npos) return FailAt(column, "the quotation has no end");
-  position_ = end + 1;
+  MORTISE_ASSIGN_OR_RETURN(const std::string_view quoted, TakeQuoted());
   return Term{.kind = Term::Kind::kQuoted,
               .column = column,
-              .quoted = text_.substr(column + 1, end - column - 1),
+              .quoted = quoted,
               .instruction = Emit(Operation::kConstant)};
 }
 
@@ -305,9 +315,12 @@ ExpressionParser::Parsed ExpressionParser::ParseName() {
     ++position_;
   }
   const std::string_view name = text_.substr(begin, position_ - begin);
-  if (const int found = FindParameter(name); found >= 0) {
-    Emit(Operation::kParameter, found);
-    const ExpressionName& parameter = parameters_[static_cast<std::size_t>(found)];
+  if (const int found = FindName(name); found >= 0) {
+    const ExpressionName& parameter = names_[static_cast<std::size_t>(found)];
+    if (parameter.ground != nullptr) {
+      return Term{.kind = Term::Kind::kGround, .column = begin, .choice = found};
+    }
+    Emit(Operation::kParameter, NumberOf(found));
     return Term{.kind = parameter.choices.empty() ? Term::Kind::kNumber : Term::Kind::kChoice,
                 .column = begin,
                 .dimension = parameter.dimension,
@@ -319,73 +332,6 @@ ExpressionParser::Parsed ExpressionParser::ParseName() {
     return Term{.column = begin};
   }
   return FailAt(begin, absl::StrCat("there is no parameter '", std::string(name), "'"));
-}
-
-// The condition, a jump over the first branch, that branch, a jump over the second one, and that.
-ExpressionParser::Parsed ExpressionParser::ParseIf(std::size_t column) {
-  MORTISE_ASSIGN_OR_RETURN(const Term condition, ParseEither());
-  MORTISE_RETURN_IF_ERROR(Require(condition, Term::Kind::kCondition));
-  Term result{.column = column};
-  MORTISE_RETURN_IF_ERROR(ParseBranches(result));
-  if (!Take(')')) return Fail("')'");
-  return result;
-}
-
-absl::Status ExpressionParser::ParseBranches(Term& result) {
-  const std::size_t over_first = Emit(Operation::kJumpUnless);
-  if (!Take(',')) return Fail("','");
-  MORTISE_ASSIGN_OR_RETURN(const Term first, ParseEither());
-  if (first.kind != Term::Kind::kCondition) {
-    MORTISE_RETURN_IF_ERROR(Require(first, Term::Kind::kNumber));
-  }
-  const std::size_t over_second = Emit(Operation::kJump);
-  Land(over_first);
-  --stack_;  // one of the branches leaves an operand
-  if (!Take(',')) return Fail("','");
-  MORTISE_ASSIGN_OR_RETURN(const Term second, ParseEither());
-  MORTISE_RETURN_IF_ERROR(Require(second, first.kind));
-  MORTISE_RETURN_IF_ERROR(CheckSameUnit(first, second));
-  Land(over_second);
-  result.kind = first.kind;
-  result.dimension = CommonDimension(first.dimension, second.dimension);
-  return absl::OkStatus();
-}
-
-ExpressionParser::Parsed ExpressionParser::ParseCall(std::string_view function,
-                                                     std::size_t column) {
-  struct Function {
-    std::string_view name;
-    Operation operation;
-    bool takes_many;
-    bool keeps_unit;
-  };
-  static constexpr Function kFunctions[] = {
-      {"sqrt", Operation::kSquareRoot, false, false}, {"sin", Operation::kSine, false, false},
-      {"cos", Operation::kCosine, false, false},      {"tan", Operation::kTangent, false, false},
-      {"floor", Operation::kFloor, false, true},      {"ceil", Operation::kCeiling, false, true},
-      {"abs", Operation::kAbsolute, false, true},     {"min", Operation::kMinimum, true, true},
-      {"max", Operation::kMaximum, true, true},
-  };
-  const auto* found =
-      std::find_if(std::begin(kFunctions), std::end(kFunctions),
-                   [function](const Function& entry) { return entry.name == function; });
-  if (found == std::end(kFunctions)) {
-    return FailAt(column, absl::StrCat("there is no function '", std::string(function), "'"));
-  }
-  MORTISE_ASSIGN_OR_RETURN(Term result, ParseOperand(&ExpressionParser::ParseEither));
-  int arguments = 1;
-  while (found->takes_many && Take(',')) {
-    MORTISE_ASSIGN_OR_RETURN(const Term other, ParseOperand(&ExpressionParser::ParseEither));
-    result.dimension = CommonDimension(result.dimension, other.dimension);
-    Emit(found->operation);
-    ++arguments;
-  }
-  if (found->takes_many && arguments < 2) return Fail("','");
-  if (!found->takes_many) Emit(found->operation);
-  if (!Take(')')) return Fail("')'");
-  result.column = column;
-  if (!found->keeps_unit) result.dimension.reset();
-  return result;
 }
 
 // ---- The program --------------------------------------------------------------------------------
@@ -407,6 +353,10 @@ std::size_t ExpressionParser::Emit(Operation operation, int parameter, double co
     case Operation::kCeiling:
     case Operation::kNot:
     case Operation::kJump:
+      break;
+    case Operation::kGroundLowest:
+    case Operation::kGroundHighest:
+      stack_ -= 3;
       break;
     default:
       --stack_;
@@ -443,11 +393,17 @@ char ExpressionParser::Peek() {
   return position_ < text_.size() ? text_[position_] : '\0';
 }
 
-int ExpressionParser::FindParameter(std::string_view name) const {
+int ExpressionParser::FindName(std::string_view name) const {
   const auto found =
-      std::find_if(parameters_.begin(), parameters_.end(),
+      std::find_if(names_.begin(), names_.end(),
                    [name](const ExpressionName& entry) { return entry.name == name; });
-  return found == parameters_.end() ? -1 : static_cast<int>(found - parameters_.begin());
+  return found == names_.end() ? -1 : static_cast<int>(found - names_.begin());
+}
+
+int ExpressionParser::NumberOf(int name) const {
+  return static_cast<int>(
+      std::count_if(names_.begin(), names_.begin() + name,
+                    [](const ExpressionName& entry) { return entry.ground == nullptr; }));
 }
 
 absl::Status ExpressionParser::Fail(std::string_view expected) const {

@@ -1,4 +1,4 @@
-// Turns the text of an expression into a program. Used by expression.cpp alone.
+// Turns the text of an expression into a program. Private to this folder.
 #pragma once
 
 #include <optional>
@@ -38,16 +38,24 @@ enum class Expression::Operation : std::uint8_t {
   kGreater,
   kGreaterOrEqual,
   kNot,
-  kJump,        // goes on at the instruction `parameter`
-  kJumpUnless,  // takes a condition off the stack; goes on there if it does not hold
-  kJumpIfNot,   // goes on there if the condition does not hold, else takes it off the stack
-  kJumpIf,      // goes on there if the condition holds, else takes it off the stack
+  kGroundHeight,   // of `grounds_[parameter]`: at x, y
+  kGroundSlope,    // likewise
+  kGroundLowest,   // under x_from, x_to, y_from, y_to
+  kGroundHighest,  // likewise
+  kJump,           // goes on at the instruction `parameter`
+  kJumpUnless,     // takes a condition off the stack; goes on there if it does not hold
+  kJumpIfNot,      // goes on there if the condition does not hold, else takes it off the stack
+  kJumpIf,         // goes on there if the condition holds, else takes it off the stack
 };
+
+// Returns what both are measured in; nothing where either may be anything.
+std::optional<Dimension> CommonDimension(const std::optional<Dimension>& a,
+                                         const std::optional<Dimension>& b);
 
 // Recursive descent over the grammar in expression.h; one object parses one text.
 class ExpressionParser {
  public:
-  ExpressionParser(std::string_view text, const std::vector<ExpressionName>& parameters);
+  ExpressionParser(std::string_view text, const std::vector<ExpressionName>& names);
 
   absl::StatusOr<Expression> Parse(bool is_condition);
 
@@ -56,11 +64,11 @@ class ExpressionParser {
 
   // What a piece of the text is.
   struct Term {
-    enum class Kind { kNumber, kCondition, kChoice, kQuoted };
+    enum class Kind { kNumber, kCondition, kChoice, kQuoted, kGround };
     Kind kind = Kind::kNumber;
     std::size_t column = 0;                   // where it begins, from 0
     std::optional<Dimension> dimension = {};  // of a number; nothing where any unit will do
-    int choice = 0;                           // of a choice, its parameter
+    int choice = 0;                           // of a choice or ground, its place among the names
     std::string_view quoted = {};             // between the quotes
     std::size_t instruction = 0;              // of what is quoted: the constant that it becomes
   };
@@ -80,6 +88,10 @@ class ExpressionParser {
   Parsed ParseName();
   Parsed ParseIf(std::size_t column);
   Parsed ParseCall(std::string_view function, std::size_t column);
+  Parsed ParseGround(Operation operation, int arguments, std::size_t column);
+  // The name of ground in quotes; returns which of the expression's it is.
+  absl::StatusOr<int> ParseGroundName();
+  int GroundOf(const ExpressionName& name);
 
   // Joins conditions by `word`, of which the first that jumps decides.
   Parsed ParseConditions(std::string_view word, Operation jump,
@@ -100,16 +112,21 @@ class ExpressionParser {
   std::size_t Emit(Operation operation, int parameter = 0, double constant = 0);
   // Lets a jump go on at the next instruction.
   void Land(std::size_t jump);
+  // What stands between the quotes that begin here.
+  absl::StatusOr<std::string_view> TakeQuoted();
   // Skips blanks; whether the next character is `c`, which is then taken.
   bool Take(char c);
   bool TakeWord(std::string_view word);
   char Peek();
-  int FindParameter(std::string_view name) const;
+  // Which of the names this is; -1 where there is none.
+  int FindName(std::string_view name) const;
+  // Which of the parameters a name is that is no ground.
+  int NumberOf(int name) const;
   absl::Status Fail(std::string_view expected) const;
   static absl::Status FailAt(std::size_t column, std::string_view message);
 
   std::string_view text_;
-  const std::vector<ExpressionName>& parameters_;
+  const std::vector<ExpressionName>& names_;
   std::size_t position_ = 0;
   int depth_ = 0;
   int stack_ = 0;

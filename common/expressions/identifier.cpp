@@ -13,9 +13,24 @@ bool IsIdentifier(std::string_view name) {
 }
 
 bool IsReserved(std::string_view name) {
-  constexpr std::array<std::string_view, 14> kWords = {"pi",    "sqrt", "sin", "cos", "tan",
-                                                       "floor", "ceil", "abs", "min", "max",
-                                                       "if",    "and",  "or",  "not"};
+  constexpr std::array<std::string_view, 18> kWords = {"pi",
+                                                       "sqrt",
+                                                       "sin",
+                                                       "cos",
+                                                       "tan",
+                                                       "floor",
+                                                       "ceil",
+                                                       "abs",
+                                                       "min",
+                                                       "max",
+                                                       "if",
+                                                       "and",
+                                                       "or",
+                                                       "not",
+                                                       "terrain",
+                                                       "terrain_slope",
+                                                       "terrain_lowest",
+                                                       "terrain_highest"};
   return std::find(kWords.begin(), kWords.end(), name) != kWords.end();
 }
 
