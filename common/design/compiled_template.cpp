@@ -202,6 +202,14 @@ bool CompiledPart::HasIndex() const {
                      [](const CompiledRepeat& direction) { return direction.has_index; });
 }
 
+std::vector<ExpressionName> NamesOf(const TemplateDefinition& definition) {
+  std::vector<ExpressionName> names = ExpressionNames(definition.parameters);
+  for (const Ground& ground : definition.grounds) {
+    names.push_back({.name = ground.name, .ground = ground.heights});
+  }
+  return names;
+}
+
 std::vector<ExpressionName> BodyNames(const PartTemplate& part,
                                       std::vector<ExpressionName> parameters) {
   for (const PartRepeat& repeat : part.repeat) {
@@ -237,7 +245,7 @@ absl::StatusOr<CompiledTemplate> CompileTemplate(const TemplateBundle& bundle) {
   CompiledTemplate compiled;
   compiled.bundle = bundle;
   const TemplateDefinition& definition = bundle.definition;
-  const Names parameters = ExpressionNames(definition.parameters);
+  const Names parameters = NamesOf(definition);
   for (std::size_t i = 0; i < definition.parts.size(); ++i) {
     MORTISE_ASSIGN_OR_RETURN(CompiledPart part, CompilePart(bundle, definition.parts[i], parameters,
                                                             absl::StrCat("parts[", i, "]")));

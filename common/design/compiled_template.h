@@ -113,6 +113,9 @@ absl::StatusOr<bool> HoldsAt(const std::optional<PlacedExpression>& condition,
                              const Eigen::VectorXd& q);
 absl::StatusOr<bool> HoldsAt(const PlacedExpression& condition, const Eigen::VectorXd& q);
 
+// Returns what expressions of a template may name, in order: its parameters, then its ground.
+std::vector<ExpressionName> NamesOf(const TemplateDefinition& definition);
+
 // Returns what a part's body may name: `parameters`, then the indices of its directions.
 std::vector<ExpressionName> BodyNames(const PartTemplate& part,
                                       std::vector<ExpressionName> parameters);

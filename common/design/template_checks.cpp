@@ -25,6 +25,7 @@ constexpr std::size_t kMaxParts = 500;
 constexpr std::size_t kMaxOutlinePoints = 200;
 constexpr std::size_t kMaxConnections = 2000;
 constexpr std::size_t kMaxBoundaryConditions = 500;
+constexpr std::size_t kMaxGrounds = 10;
 constexpr std::size_t kMaxItems = 100;     // of which one is taken
 constexpr std::size_t kMaxDirections = 2;  // that a part is repeated in
 
@@ -34,9 +35,7 @@ using Names = std::vector<ExpressionName>;
 class Checker {
  public:
   explicit Checker(const TemplateBundle& bundle)
-      : bundle_(bundle),
-        definition_(bundle.definition),
-        names_(ExpressionNames(bundle.definition.parameters)) {}
+      : bundle_(bundle), definition_(bundle.definition), names_(NamesOf(bundle.definition)) {}
 
   std::vector<FieldViolation> Run() {
     CheckCount("parameters", definition_.parameters.size(), 1, kMaxParameters);
@@ -44,6 +43,7 @@ class Checker {
     CheckCount("connections", definition_.connections.size(), 0, kMaxConnections);
     CheckCount("boundary_conditions", definition_.boundary_conditions.size(), 0,
                kMaxBoundaryConditions);
+    CheckCount("height_fields", definition_.grounds.size(), 0, kMaxGrounds);
     if (IsTooLarge()) return findings_;
     if (const auto id = ParseResourceName(definition_.name, "templates", "name"); !id.ok()) {
       Report("name", "must be 'templates/' and 1 to 63 lower-case letters, digits and hyphens");
@@ -51,6 +51,7 @@ class Checker {
     CheckTitle("title", definition_.title, findings_);
     CheckDescription("description", definition_.description, findings_);
     CheckParameters();
+    CheckGrounds();
     CheckParts();
     CheckConnections();
     CheckBoundaryConditions();
@@ -74,7 +75,8 @@ class Checker {
   bool IsTooLarge() const {
     return definition_.parameters.size() > kMaxParameters || definition_.parts.size() > kMaxParts ||
            definition_.connections.size() > kMaxConnections ||
-           definition_.boundary_conditions.size() > kMaxBoundaryConditions;
+           definition_.boundary_conditions.size() > kMaxBoundaryConditions ||
+           definition_.grounds.size() > kMaxGrounds;
   }
 
   void CheckName(const std::string& field, const std::string& name, std::set<std::string>& seen) {
@@ -128,6 +130,29 @@ class Checker {
       }
       CheckUnit(absl::StrCat(field, ".unit"), parameter.unit, findings_);
       CheckRange(field, parameter);
+    }
+  }
+
+  bool IsParameter(const std::string& name) const {
+    return std::any_of(definition_.parameters.begin(), definition_.parameters.end(),
+                       [&](const Parameter& parameter) { return parameter.name == name; });
+  }
+
+  // What is wrong with the heights themselves is found where they are read.
+  void CheckGrounds() {
+    std::set<std::string> seen;
+    for (std::size_t i = 0; i < definition_.grounds.size(); ++i) {
+      const Ground& ground = definition_.grounds[i];
+      const std::string field = absl::StrCat("height_fields[", i, "]");
+      CheckName(field + ".name", ground.name, seen);
+      if (IsParameter(ground.name)) {
+        Report(field + ".name", absl::StrCat("'", ground.name, "' is a parameter"));
+      }
+      if (IsReserved(ground.name)) {
+        Report(field + ".name",
+               absl::StrCat("'", ground.name, "' is a word of the expression language"));
+      }
+      CheckTitle(field + ".title", ground.title, findings_);
     }
   }
 
@@ -246,10 +271,12 @@ class Checker {
   void CheckIndex(const std::string& field, const std::string& index,
                   std::set<std::string>& indices) {
     CheckName(field, index, indices);
-    const bool is_taken =
-        std::any_of(names_.begin(), names_.end(),
-                    [&](const ExpressionName& parameter) { return parameter.name == index; });
-    if (is_taken) Report(field, absl::StrCat("'", index, "' is a parameter"));
+    const auto taken = std::find_if(names_.begin(), names_.end(),
+                                    [&](const ExpressionName& name) { return name.name == index; });
+    if (taken != names_.end()) {
+      Report(field, absl::StrCat("'", index, "' is ",
+                                 taken->ground == nullptr ? "a parameter" : "the name of ground"));
+    }
     if (IsReserved(index)) {
       Report(field, absl::StrCat("'", index, "' is a word of the expression language"));
     }

@@ -5,6 +5,7 @@
 #include "common/base/errors.h"
 #include "common/design/parameter_values.h"
 #include "common/files/axis_codec.h"
+#include "common/files/height_field_codec.h"
 #include "common/files/template_reader.h"
 #include "common/messages/message_digest.h"
 
@@ -186,6 +187,7 @@ v1::Template ToProto(const TemplateDefinition& definition) {
     *message.add_boundary_conditions() = ToProto(condition);
   }
   message.set_reference_temperature(definition.reference_temperature);
+  for (const Ground& ground : definition.grounds) *message.add_height_fields() = ToProto(ground);
   return message;
 }
 
@@ -223,6 +225,9 @@ std::string TemplateDigest(const v1::Template& message) {
   content.clear_external_ids();
   content.clear_labels();
   content.clear_creator();
+  content.clear_placed_template();
+  content.clear_placed_template_revision();
+  for (v1::HeightField& heights : *content.mutable_height_fields()) heights.clear_digest();
   return MessageDigest(content);
 }
 

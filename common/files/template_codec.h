@@ -5,8 +5,9 @@
 // From… functions check what structs cannot express (unknown enum values, missing bodies, an item's
 // axes given twice) and fail with INVALID_ARGUMENT naming the field; whether the content makes
 // sense is for template_validation.h. Nothing is lost in either direction except what is no
-// content, which structs do not carry: external ids, labels, and the creator and times set by the
-// service.
+// content, which structs do not carry: external ids, labels, and the creator, times, digests of
+// heights and what a template was placed of, set by the service. Heights come back without their
+// datum.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -41,8 +42,8 @@ v1::TemplateBundle ToProto(const TemplateBundle& bundle);
 v1::Structure ToProto(const Structure& structure);
 v1::EvaluatedDesign ToProto(const EvaluatedDesign& design);
 
-// Returns the SHA-256 of a template's content: of everything but name, revision, digest, external
-// ids, labels, creator and time.
+// Returns the SHA-256 of a template's content: of everything but name, external ids, labels and
+// what the service sets.
 std::string TemplateDigest(const v1::Template& message);
 
 // Returns the SHA-256 of all that a bundle's F(q) depends on: the template's content and that of

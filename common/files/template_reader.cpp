@@ -11,6 +11,7 @@
 #include "common/base/violation_lists.h"
 #include "common/design/template_checks.h"
 #include "common/files/axis_codec.h"
+#include "common/files/height_field_codec.h"
 #include "common/files/template_codec.h"
 
 namespace mortise::parametric {
@@ -188,6 +189,7 @@ TemplateDefinition ReadTemplate(const v1::Template& message,
         message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]"), findings));
   }
   definition.reference_temperature = message.reference_temperature();
+  definition.grounds = ReadGrounds(message.height_fields(), findings);
   return definition;
 }
 

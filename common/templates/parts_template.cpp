@@ -5,6 +5,7 @@
 
 #include "common/base/errors.h"
 #include "common/design/evaluation.h"
+#include "common/terrain/height_field.h"
 
 namespace mortise::templates {
 namespace {
@@ -22,6 +23,14 @@ class PartsTemplate final : public Template {
            std::any_of(parts.begin(), parts.end(), [](const parametric::PartTemplate& part) {
              return !part.present.empty() || !part.repeat.empty() || !part.items.empty();
            });
+  }
+
+  std::size_t MemoryUse() const override {
+    std::size_t bytes = Template::MemoryUse();
+    for (const parametric::Ground& ground : function_.bundle().definition.grounds) {
+      bytes += ground.heights->MemoryUse();
+    }
+    return bytes;
   }
 
   absl::StatusOr<parametric::MassProperties> Mass(const Eigen::VectorXd& q) const override {

@@ -17,6 +17,7 @@
 #include "common/design/metric_registry.h"
 #include "common/design/parameter_values.h"
 #include "common/design/template_validation.h"
+#include "common/files/height_field_codec.h"
 #include "common/files/metric_codec.h"
 #include "common/files/template_codec.h"
 #include "common/files/template_reader.h"
@@ -200,6 +201,12 @@ void CheckHead(const v1::Template& message, std::vector<FieldViolation>& finding
   if (!message.has_assembly() && message.has_metric_definitions()) {
     findings.push_back({"metric_definitions", "must be those of the kind"});
   }
+  for (int i = 0; i < message.height_fields_size(); ++i) {
+    findings.push_back(
+        {absl::StrCat("height_fields[", i, "]"),
+         absl::StrCat("'", message.height_fields(i).name().substr(0, 80),
+                      "' must be left out: only templates of parts stand on ground")});
+  }
   const std::string& name = message.has_cad() ? message.cad().name() : message.cage().name();
   if (!name.empty() && name != message.name()) {
     findings.push_back({message.has_cad() ? "cad.name" : "cage.name",
@@ -351,8 +358,12 @@ void TryAll(const Template& compiled, const std::string& kind,
 absl::Status CompleteParts(v1::TemplateBundle& bundle) {
   FillChoices(*bundle.mutable_template_()->mutable_parameters());
   MORTISE_ASSIGN_OR_RETURN(const TemplateHead used, HeadOf(bundle));
-  return parametric::ToStatus(
-      parametric::ValidateTemplateMessage(bundle.template_(), used.items, used.materials));
+  MORTISE_RETURN_IF_ERROR(parametric::ToStatus(
+      parametric::ValidateTemplateMessage(bundle.template_(), used.items, used.materials)));
+  for (v1::HeightField& heights : *bundle.mutable_template_()->mutable_height_fields()) {
+    heights.set_digest(parametric::HeightsDigest(heights));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CompleteKind(v1::TemplateBundle& bundle, Trial trial,
@@ -455,6 +466,7 @@ v1::Template SummaryOf(v1::Template message) {
   message.clear_boundary_conditions();
   message.clear_reference_temperature();
   message.clear_metric_definitions();
+  for (v1::HeightField& heights : *message.mutable_height_fields()) heights.clear_heights();
   if (message.has_cad()) message.mutable_cad()->Clear();
   if (message.has_cage()) message.mutable_cage()->Clear();
   if (message.has_assembly()) message.mutable_assembly()->clear_handles();
