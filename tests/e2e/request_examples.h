@@ -62,6 +62,11 @@ inline constexpr Example kExamples[] = {
     {"CatalogService/ListTemplates", "page_size: 10"},
     {"CatalogService/ImportTemplate",
      "request_id: 'bad-5' expected_revision: 1 template { {template} }", Outcome::kChanges},
+    {"CatalogService/PlaceTemplate",
+     "request_id: 'bad-91' name: 'templates/deck' revision: 1 height_fields { name: 'ground' "
+     "title: 'Bank' datum: 300 grid { x: -1 y: -1 x_spacing: 2.5 y_spacing: 5 columns: 3 "
+     "heights: [300, 300.1, 300.2, 300.1, 300, 299.9] } }",
+     Outcome::kChanges},
     {"CatalogService/DeleteTemplate", "request_id: 'bad-43' name: 'templates/table' revision: 1",
      Outcome::kChanges},
     {"CatalogService/GetTemplateBundle", "name: 'templates/table'"},

@@ -105,6 +105,18 @@ absl::StatusOr<v1::TemplateBundle> GetBundle(store::ReadTransaction& transaction
 absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transaction,
                                                  const v1::ListTemplatesRequest& request);
 
+// Returns the name that a template has where it is placed on these height fields, of which the
+// digests are known: templates/{id}-{12 hexadecimal digits}.
+std::string PlacedName(const std::string& name,
+                       const google::protobuf::RepeatedPtrField<v1::HeightField>& height_fields);
+
+// Writes a completed bundle of a template that is placed on ground as ImportBundle does, as the
+// first revision of its name or the one after the latest. What is there keeps its external ids and
+// its labels where the template has none. ALREADY_EXISTS if what is there is no placing of the same
+// template.
+absl::StatusOr<v1::Template> PutPlaced(store::Transaction& transaction, v1::TemplateBundle bundle,
+                                       const resources::Author& author);
+
 // Returns the template with those items and materials it names that exist, or with the assembly
 // that it is of and what that uses. INVALID_ARGUMENT, "assembly.assembly", for one there is not.
 // What makes it whole is templates::Complete.
@@ -113,8 +125,8 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
 
 // Writes a completed bundle as the revision after `expected_revision` ("template.imported") and
 // returns the template; the creator stays that of the revision before. If the present revision has
-// the same content and tags, that is returned and nothing changes. ABORTED if the latest revision
-// is not `expected_revision`.
+// the same content and tags, that is returned and nothing changes. One of the same content stays
+// what it was placed of. ABORTED if the latest revision is not `expected_revision`.
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
                                           const resources::Author& author);

@@ -1,8 +1,10 @@
 // Templates in the store, each revision with the items and materials it was imported with.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/resources/resource_filter.h"
@@ -12,11 +14,15 @@
 #include "services/catalog/records/list_filter.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_page.h"
+#include "services/catalog/records/record_tags.h"
 #include "services/catalog/records/record_users.h"
 #include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
 namespace {
+
+constexpr std::size_t kMaxIdBytes = 63;
+constexpr std::size_t kPlacedDigits = 12;  // of a digest of the ground, in names
 
 constexpr BundleKind kKind = {.names = kTemplates, .name = "template"};
 
@@ -45,6 +51,16 @@ absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBun
   *bundle.mutable_materials() = std::move(*used->mutable_materials());
   *bundle.mutable_assembly() = std::move(*used->mutable_assembly());
   return AddShapes(transaction, bundle.assembly(), bundle.items(), *bundle.mutable_shapes());
+}
+
+// The latest revision of a template; of none the revision is 0.
+absl::StatusOr<v1::Template> GetPresent(store::ReadTransaction& transaction,
+                                        const std::string& name) {
+  MORTISE_ASSIGN_OR_RETURN(const store::Record record,
+                           GetRecordOrNone(transaction, kTemplates, name, kKind.name));
+  if (record.revision == 0) return v1::Template();
+  MORTISE_ASSIGN_OR_RETURN(v1::TemplateBundle bundle, BundleOf<v1::TemplateBundle>(kKind, record));
+  return std::move(*bundle.mutable_template_());
 }
 
 bool IsOfKind(const v1::Template& message, v1::ListTemplatesRequest::Kind kind) {
@@ -97,6 +113,8 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
   v1::TemplateBundle bundle;
   *bundle.mutable_template_() = message;
   ClearWhatTheServiceSays(bundle.mutable_template_());
+  bundle.mutable_template_()->clear_placed_template();
+  bundle.mutable_template_()->clear_placed_template_revision();
   if (message.has_assembly()) {
     MORTISE_RETURN_IF_ERROR(FreezeAssembly(transaction, bundle));
     return bundle;
@@ -114,8 +132,39 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
 absl::StatusOr<v1::Template> ImportBundle(store::Transaction& transaction,
                                           v1::TemplateBundle bundle, int64_t expected_revision,
                                           const resources::Author& author) {
+  v1::Template& message = *bundle.mutable_template_();
+  if (message.placed_template().empty()) {
+    MORTISE_ASSIGN_OR_RETURN(const v1::Template present, GetPresent(transaction, message.name()));
+    if (present.digest() == message.digest()) {
+      message.set_placed_template(present.placed_template());
+      message.set_placed_template_revision(present.placed_template_revision());
+    }
+  }
   // The shapes are those of the assembly, which are stored.
   return ImportRevision(transaction, kKind, std::move(bundle), expected_revision, author);
+}
+
+std::string PlacedName(const std::string& name,
+                       const google::protobuf::RepeatedPtrField<v1::HeightField>& height_fields) {
+  std::string heights;
+  for (const v1::HeightField& field : height_fields) {
+    absl::StrAppend(&heights, field.name(), "=", field.digest(), "\n");
+  }
+  const std::string suffix = absl::StrCat("-", Sha256Hex(heights).substr(0, kPlacedDigits));
+  std::string id = name.substr(name.find('/') + 1);
+  id.resize(std::min(id.size(), kMaxIdBytes - suffix.size()));
+  return absl::StrCat(kTemplates, "/", id, suffix);
+}
+
+absl::StatusOr<v1::Template> PutPlaced(store::Transaction& transaction, v1::TemplateBundle bundle,
+                                       const resources::Author& author) {
+  v1::Template& message = *bundle.mutable_template_();
+  MORTISE_ASSIGN_OR_RETURN(const v1::Template present, GetPresent(transaction, message.name()));
+  if (present.revision() > 0 && present.placed_template() != message.placed_template()) {
+    return ResourceExists(message.name());
+  }
+  KeepTags(present, &message);
+  return ImportBundle(transaction, std::move(bundle), present.revision(), author);
 }
 
 absl::Status DeleteTemplate(store::Transaction& transaction,

@@ -56,6 +56,8 @@ class CatalogAdapter final : public v1::CatalogService::CallbackService {
   MORTISE_QUERY(ListTemplates, With(*catalog_, methods::ListTemplates))
   MORTISE_PREPARED_MUTATION(ImportTemplate, With(*catalog_, methods::PrepareTemplate),
                             methods::ImportTemplate, BadNumbers::kToldWithAllElse)
+  MORTISE_PREPARED_MUTATION(PlaceTemplate, With(*catalog_, methods::PreparePlacing),
+                            methods::PlaceTemplate, BadNumbers::kToldWithAllElse)
   MORTISE_MUTATION(DeleteTemplate, methods::DeleteTemplate)
   MORTISE_QUERY(GetTemplateBundle, With(*catalog_, methods::GetTemplateBundle))
 

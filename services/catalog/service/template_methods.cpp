@@ -10,6 +10,7 @@
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shape_records.h"
+#include "services/catalog/service/template_placing.h"
 #include "services/catalog/service/template_reading.h"
 
 namespace mortise::catalog::methods {
@@ -73,6 +74,22 @@ absl::StatusOr<v1::Template> ImportTemplate(const rpc::Call& call,
                                             v1::TemplateBundle& bundle,
                                             store::Transaction& transaction) {
   return ImportBundle(transaction, bundle, asked.expected_revision(), rpc::AuthorOf(call));
+}
+
+absl::StatusOr<v1::TemplateBundle> PreparePlacing(Catalog& catalog, const rpc::Call& call,
+                                                  const v1::PlaceTemplateRequest& asked) {
+  const absl::Status tags = resources::ValidateTags(asked);
+  absl::StatusOr<v1::TemplateBundle> bundle =
+      PlaceOn(catalog, asked, [&call] { return call.cancelled(); });
+  MORTISE_RETURN_IF_ERROR(CombineViolations(bundle.status(), tags));
+  resources::CopyTags(asked, bundle->mutable_template_());
+  return bundle;
+}
+
+absl::StatusOr<v1::Template> PlaceTemplate(const rpc::Call& call, const v1::PlaceTemplateRequest&,
+                                           v1::TemplateBundle& bundle,
+                                           store::Transaction& transaction) {
+  return PutPlaced(transaction, bundle, rpc::AuthorOf(call));
 }
 
 absl::StatusOr<v1::DeleteTemplateResponse> DeleteTemplate(const rpc::Call& call,

@@ -25,6 +25,14 @@ absl::StatusOr<v1::Template> ImportTemplate(const rpc::Call& call,
                                             const v1::ImportTemplateRequest& asked,
                                             v1::TemplateBundle& bundle,
                                             store::Transaction& transaction);
+// Puts a template on ground and checks it as PrepareTemplate does, before the transaction of
+// PlaceTemplate.
+absl::StatusOr<v1::TemplateBundle> PreparePlacing(Catalog& catalog, const rpc::Call& call,
+                                                  const v1::PlaceTemplateRequest& asked);
+absl::StatusOr<v1::Template> PlaceTemplate(const rpc::Call& call,
+                                           const v1::PlaceTemplateRequest& asked,
+                                           v1::TemplateBundle& bundle,
+                                           store::Transaction& transaction);
 absl::StatusOr<v1::DeleteTemplateResponse> DeleteTemplate(const rpc::Call& call,
                                                           const v1::DeleteTemplateRequest& asked,
                                                           store::Transaction& transaction);
