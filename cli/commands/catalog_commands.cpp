@@ -1,4 +1,4 @@
-// mortise catalog import|list|show|evaluate|shape: materials, items and templates.
+// mortise catalog import|list|show|evaluate|shape|place|delete: materials, items and templates.
 #include <google/protobuf/text_format.h>
 #include <grpcpp/grpcpp.h>
 
@@ -230,6 +230,7 @@ void AddCatalogCommands(CLI::App& app, Session& session) {
     session.command = [shape](Session& s, Output& o) { return AddShape(*shape, s, o); };
   });
 
+  AddCatalogPlaceCommand(*catalog, session);
   AddCatalogDelete(*catalog, session);
 
   // Last: commands would inherit it.

@@ -14,7 +14,8 @@ void AddHouseCommands(CLI::App& app, Session& session);     // up, down, status,
 void AddCallCommand(CLI::App& app, Session& session);       // call, health
 void AddAssemblyCommands(CLI::App& app, Session& session);  // assembly import|list|show|delete …
 void AddCatalogCommands(CLI::App& app, Session& session);   // catalog import|list|show|delete …
-void AddAnalyzeCommand(CLI::App& app, Session& session);    // analyze
+void AddCatalogPlaceCommand(CLI::App& catalog, Session& session);  // of those
+void AddAnalyzeCommand(CLI::App& app, Session& session);           // analyze
 void AddParetoCommands(CLI::App& app, Session& session);  // pareto run|show|describe|pick|benchmark
 void AddParetoBenchmarkCommand(CLI::App& pareto, Session& session);  // of those
 void AddParetoDescribeCommand(CLI::App& pareto, Session& session);   // of those
