@@ -33,11 +33,11 @@ CHOICES = (
     ("doorway on the right, more slabs", "shed", "door=right slabs=23 width=1.4"),
 )
 
-# The ground below decks.
+# The ground below decks: a file beside the deck, the place in it that becomes the origin, and parameters.
 DECKS = (
-    ("falls to the right", "deck", "rise_x=-0.05 rise_y=0"),
-    ("rises to the back right", "deck", "rise_x=0.05 rise_y=0.05 width=2.98"),
-    ("falls to the back", "deck", "rise_x=0 rise_y=-0.05 depth=2.36 infill=4"),
+    ("a hillside", "hillside.asc", "451230,5411872", "width=2.98"),
+    ("a hollow", "hollow.csv", "0,0", "railing=none"),
+    ("a bank", "bank.obj", "0,0", "depth=2.36 infill=4"),
 )
 
 
@@ -128,10 +128,12 @@ def draw_boards(folder):
 
 
 def draw_decks(folder):
-    """Decks on ground that rises evenly, under people, as Figure 8-28."""
+    """Decks on the terrains that ship, under people, as Figure 8-28."""
     pictures = []
-    for title, template, parameters in DECKS:
-        analysis, picture = analysed(folder, title, template, parameters, "150mm", "*people.png")
+    for title, file, origin, parameters in DECKS:
+        ground = f"ground={ROOT / 'collection' / 'designs' / 'deck' / file}"
+        placed = mortise("catalog", "place", "deck", "--height-field", ground, "--origin", origin, "--title", title)
+        analysis, picture = analysed(folder, title, placed["name"], parameters, "150mm", "*people.png")
         sag = metric(analysis, "max_displacement", "people") * 1e3
         pictures.append((f"{title}: {sag:.1f} mm", picture))
         print(pictures[-1][0], flush=True)

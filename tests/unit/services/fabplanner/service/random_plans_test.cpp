@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <random>
 #include <string>
 
+#include "cli/files/ground_file.h"
 #include "common/design/parameter_values.h"
 #include "common/files/template_codec.h"
 #include "common/templates/template_codec.h"
@@ -107,10 +109,8 @@ TEST(PlanFaultsTest, TellsWhatIsWrong) {
               Contains("slat 2 hangs loose"));
 }
 
-class RandomPlansTest : public ::testing::TestWithParam<std::string> {};
-
-TEST_P(RandomPlansTest, CanBeBuilt) {
-  const v1::TemplateBundle bundle = templates::ShippedTemplate(GetParam());
+// Designs of a template at random.
+void ExpectBuildable(const v1::TemplateBundle& bundle, const std::string& title) {
   const auto compiled = templates::Compile(bundle);
   ASSERT_TRUE(compiled.ok()) << compiled.status();
   const auto items = ItemsFrom(bundle);
@@ -130,7 +130,13 @@ TEST_P(RandomPlansTest, CanBeBuilt) {
     EXPECT_THAT(FaultsOf(*design, *plan), IsEmpty()) << where;
     pegs += design->pegs.size();
   }
-  std::cout << GetParam() << ": " << DesignsToTry() << " designs, " << pegs << " pegs\n";
+  std::cout << title << ": " << DesignsToTry() << " designs, " << pegs << " pegs\n";
+}
+
+class RandomPlansTest : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(RandomPlansTest, CanBeBuilt) {
+  ExpectBuildable(templates::ShippedTemplate(GetParam()), GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, RandomPlansTest,
@@ -141,6 +147,35 @@ INSTANTIATE_TEST_SUITE_P(Shipped, RandomPlansTest,
                            std::string name = each.param.substr(each.param.find('/') + 1);
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
+                         });
+
+// What ships beside the deck to put it on, and where that has the deck's origin.
+struct Terrain {
+  std::string file;
+  Eigen::Vector2d origin = {0, 0};
+};
+
+class RandomPlansOnTerrain : public ::testing::TestWithParam<Terrain> {};
+
+TEST_P(RandomPlansOnTerrain, CanBeBuilt) {
+  const char* const source = std::getenv("MORTISE_SOURCE_DIR");
+  const std::filesystem::path folder =
+      std::filesystem::path(source == nullptr ? "." : source) / "collection/designs/deck";
+  auto ground = cli::ReadGround(folder / GetParam().file, {.origin = GetParam().origin});
+  ASSERT_TRUE(ground.ok()) << ground.status();
+  ground->set_name("ground");
+  v1::TemplateBundle deck = templates::ShippedTemplate("templates/deck");
+  *deck.mutable_template_()->mutable_height_fields(0) = *std::move(ground);
+  const absl::Status checked = templates::FillAndCheck(deck, templates::Trial::kThorough);
+  ASSERT_TRUE(checked.ok()) << checked;
+  ExpectBuildable(deck, "templates/deck on " + GetParam().file);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, RandomPlansOnTerrain,
+                         ::testing::Values(Terrain{"hillside.asc", {451230, 5411872}},
+                                           Terrain{"hollow.csv"}, Terrain{"bank.obj"}),
+                         [](const auto& each) {
+                           return each.param.file.substr(0, each.param.file.find('.'));
                          });
 
 }  // namespace
