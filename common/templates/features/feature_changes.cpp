@@ -2,8 +2,6 @@
 #include "common/templates/features/feature_changes.h"
 
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepFilletAPI_MakeChamfer.hxx>
-#include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepOffsetAPI_DraftAngle.hxx>
 #include <BRepOffsetAPI_MakeThickSolid.hxx>
 #include <TopTools_ListOfShape.hxx>
@@ -11,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/templates/features/blending.h"
 
 namespace mortise::cad {
 namespace {
@@ -25,19 +24,9 @@ absl::Status ApplyFillet(const Fillet& fillet, const std::string& feature, const
                          ModelState& state) {
   MORTISE_ASSIGN_OR_RETURN(const FoundEdges found, FindEdges(state, fillet.edges, "fillet.edges"));
   NamedBody& body = state.bodies[found.body];
-  BRepFilletAPI_MakeFillet maker(body.shape);
-  const double radius = numbers(fillet.radius);
-  for (const TopoDS_Edge& edge : found.edges) {
-    // An edge may have been taken along by one that it continues smoothly.
-    if (maker.Contour(edge) == 0) maker.Add(radius * kModelScale, edge);
-  }
-  maker.Build();
-  if (!maker.IsDone()) {
-    return InvalidField("fillet.radius",
-                        absl::StrCat("edges cannot be rounded with ", radius,
-                                     " m: it is too large for the faces beside them"));
-  }
-  Follow(maker, maker.Shape(), Made(feature), body);
+  MORTISE_ASSIGN_OR_RETURN(const auto blend, BlendEdges(BlendKind::kFillet, body.shape, found,
+                                                        feature, numbers(fillet.radius)));
+  Follow(*blend, blend->Shape(), Made(feature), body);
   return absl::OkStatus();
 }
 
@@ -46,18 +35,9 @@ absl::Status ApplyChamfer(const Chamfer& chamfer, const std::string& feature,
   MORTISE_ASSIGN_OR_RETURN(const FoundEdges found,
                            FindEdges(state, chamfer.edges, "chamfer.edges"));
   NamedBody& body = state.bodies[found.body];
-  BRepFilletAPI_MakeChamfer maker(body.shape);
-  const double distance = numbers(chamfer.distance);
-  for (const TopoDS_Edge& edge : found.edges) {
-    if (maker.Contour(edge) == 0) maker.Add(distance * kModelScale, edge);
-  }
-  maker.Build();
-  if (!maker.IsDone()) {
-    return InvalidField("chamfer.distance",
-                        absl::StrCat("edges cannot be bevelled by ", distance,
-                                     " m: it is too large for the faces beside them"));
-  }
-  Follow(maker, maker.Shape(), Made(feature), body);
+  MORTISE_ASSIGN_OR_RETURN(const auto blend, BlendEdges(BlendKind::kChamfer, body.shape, found,
+                                                        feature, numbers(chamfer.distance)));
+  Follow(*blend, blend->Shape(), Made(feature), body);
   return absl::OkStatus();
 }
 

@@ -376,6 +376,7 @@ absl::StatusOr<RegeneratedModel> RegenerateFeatures(const CadTemplate& definitio
       if (status.ok() && one_by_one) status = regeneration.Flush();
       if (status.ok() && one_by_one) status = regeneration.CheckBodies();
       if (status.ok()) continue;
+      if (absl::IsInternal(status)) return status;  // no fault of the feature
       if (!DetailOf(status).field.empty()) return UnderField(place, status);
       return InvalidField(place, absl::StrCat("'", definition.features[i].name,
                                               "': ", std::string(status.message())));

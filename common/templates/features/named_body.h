@@ -67,7 +67,8 @@ struct FoundFaces {
 
 struct FoundEdges {
   std::size_t body = 0;
-  std::vector<TopoDS_Edge> edges;  // at least one
+  std::vector<TopoDS_Edge> edges;       // at least one
+  std::vector<std::string> references;  // that mean each of them, the first if several do
 };
 
 // Returns what references mean at this state. INVALID_ARGUMENT, naming `field` with the index of

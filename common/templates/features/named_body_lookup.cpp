@@ -7,6 +7,7 @@
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
 #include <optional>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -125,6 +126,7 @@ absl::StatusOr<FoundEdges> FindEdges(const ModelState& state,
                                      const std::vector<std::string>& references,
                                      const std::string& field) {
   TopTools_IndexedMapOfShape found;
+  std::vector<std::string> meaning;
   std::optional<std::size_t> body;
   TopTools_IndexedDataMapOfShapeListOfShape neighbours;
   for (std::size_t i = 0; i < references.size(); ++i) {
@@ -152,8 +154,9 @@ absl::StatusOr<FoundEdges> FindEdges(const ModelState& state,
               : absl::StrCat("face '", ToString(reference->face), "' has no sharp edge"));
     }
     for (int e = 1; e <= edges.Extent(); ++e) found.Add(edges(e));
+    meaning.resize(static_cast<std::size_t>(found.Extent()), references[i]);
   }
-  FoundEdges result{body.value_or(0), {}};
+  FoundEdges result{body.value_or(0), {}, std::move(meaning)};
   for (int i = 1; i <= found.Extent(); ++i) result.edges.push_back(TopoDS::Edge(found(i)));
   return result;
 }
