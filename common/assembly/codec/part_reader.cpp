@@ -15,6 +15,7 @@ namespace mortise::parametric {
 namespace {
 
 constexpr int kMaxRepeat = 1000;
+constexpr int kMaxPriority = 1000;
 // Of the drawn size, what a part without an item may measure.
 constexpr double kMinGrowth = 0.5;
 constexpr double kMaxGrowth = 2;
@@ -128,6 +129,9 @@ void PartReader::Read(const v1::AssemblyPart& message, const std::string& field,
   part.connecting = message.role() == v1::AssemblyPart::CONNECTING;
   if (!v1::AssemblyPart::Role_IsValid(message.role())) {
     findings_.push_back({field + ".role", "must be PRINCIPAL or CONNECTING"});
+  }
+  if (message.priority() < 0 || message.priority() > kMaxPriority) {
+    findings_.push_back({field + ".priority", absl::StrCat("must be 0 to ", kMaxPriority)});
   }
   ReadPlanes(message, field, part);
   Eigen::Vector3d size = VectorFromProto(message.size());

@@ -207,6 +207,7 @@ class Maker {
     message.set_role(annotation.role());
     message.set_length_axis(annotation.length_axis());
     message.set_thickness_axis(annotation.thickness_axis());
+    message.set_priority(annotation.priority());
     if (!annotation.group().empty()) message.set_group(annotation.group());
     *message.mutable_prominent_planes() = annotation.prominent_planes();
   }

@@ -165,6 +165,7 @@ v1::AssemblyPart PartOf(const v1::PartAnnotation& annotation, int index) {
   part.set_length_axis(annotation.length_axis());
   part.set_thickness_axis(annotation.thickness_axis());
   part.set_group(annotation.group());
+  part.set_priority(annotation.priority());
   *part.mutable_prominent_planes() = annotation.prominent_planes();
   part.mutable_position()->set_x(index);
   v1::Vector3& size = *part.mutable_size();
@@ -177,7 +178,8 @@ v1::AssemblyPart PartOf(const v1::PartAnnotation& annotation, int index) {
 // Whether a field of a part is what an annotation says, not what the part measures.
 bool IsAnnotated(std::string_view rest) {
   static constexpr std::string_view kFields[] = {
-      ".title", ".item", ".role", ".group", ".length_axis", ".thickness_axis", ".prominent_planes"};
+      ".title",       ".item",           ".role",     ".group",
+      ".length_axis", ".thickness_axis", ".priority", ".prominent_planes"};
   const bool is_among =
       std::any_of(std::begin(kFields), std::end(kFields),
                   [&](std::string_view field) { return rest.starts_with(field); });

@@ -1,6 +1,7 @@
 #include "services/fabplanner/joining/assembly_order.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -8,17 +9,17 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "services/fabplanner/joining/assembly_priorities.h"
+#include "services/fabplanner/joining/assembly_units.h"
 #include "services/fabplanner/joining/step_text.h"
 #include "services/fabplanner/joining/taking_apart.h"
 
 namespace mortise::fabplanner {
 namespace {
 
-// What moves as one while a group is put together: a part, or a sub-assembly that is built already.
-struct Unit {
-  std::vector<int> parts;  // with the connectors that hold it together
-  std::string built;       // the sub-assembly's name; empty for a part
-};
+// The priority of what comes in later where nothing that has one does.
+constexpr int kNothingMore = std::numeric_limits<int>::max();
 
 std::vector<PartSolid> SolidsOf(const Design& design) {
   std::vector<PartSolid> solids;
@@ -37,29 +38,34 @@ class Builder {
         stop_(stop),
         solids_(SolidsOf(design)),
         joints_(FindJoints(design, items, solids_, stop)),
+        priorities_(design, joints_),
         is_fixed_(joints_.fixings.size(), false),
         is_added_(design.parts.size(), 0) {}
 
-  std::vector<AssemblyStep> Build() {
-    Unit whole = BuildGroup(0);
+  absl::StatusOr<std::vector<AssemblyStep>> Build() {
+    contradiction_ = priorities_.Check();
+    const AssemblyUnit whole = BuildGroup(0);
+    MORTISE_RETURN_IF_ERROR(contradiction_);
     AddLooseConnectors(whole.parts);
     return std::move(steps_);
   }
 
  private:
-  // The group as one unit; its parts are empty if it has no principal ones.
-  Unit BuildGroup(int group) {
-    std::vector<Unit> units;
+  // The group as one unit; its parts are empty if it has no principal ones, or priorities
+  // contradict each other.
+  AssemblyUnit BuildGroup(int group) {
+    if (!contradiction_.ok()) return {};
+    std::vector<AssemblyUnit> units;
     for (const Piece& piece : PiecesOf(group)) {
       if (piece.group < 0) {
         units.push_back({{piece.part}, ""});
         continue;
       }
-      Unit built = BuildGroup(piece.group);
+      AssemblyUnit built = BuildGroup(piece.group);
       if (!built.parts.empty()) units.push_back(std::move(built));
     }
-    if (units.empty()) return {};
-    Unit built = PutTogether(units, design_.groups[group].name);
+    if (units.empty() || !contradiction_.ok()) return {};
+    AssemblyUnit built = PutTogether(units, design_.groups[group].name);
     built.built = units.size() == 1 && units.front().parts.size() == built.parts.size()
                       ? units.front().built
                       : design_.groups[group].name;
@@ -108,10 +114,10 @@ class Builder {
       pieces.insert(pieces.begin() + static_cast<std::ptrdiff_t>(i), own.begin(), own.end());
     }
     while (true) {
-      std::vector<Unit> units;
+      std::vector<AssemblyUnit> units;
       std::vector<std::size_t> piece_of;
       for (std::size_t i = 0; i < pieces.size(); ++i) {
-        Unit unit{PrincipalsOf(pieces[i]), pieces[i].group < 0 ? "" : "built"};
+        AssemblyUnit unit{PrincipalsOf(pieces[i]), pieces[i].group < 0 ? "" : "built"};
         if (unit.parts.empty()) continue;
         units.push_back(std::move(unit));
         piece_of.push_back(i);
@@ -124,8 +130,8 @@ class Builder {
         parts_of.push_back(units[i].parts);
       }
       const Blocking blocking(design_, items_, solids_, joints_, parts_of, stop_);
-      const TakenApart apart =
-          TakeApart(all, FactsOf(units), HeldOf(units), LinksOf(units), blocking, stop_);
+      const TakenApart apart = TakeApart(all, FactsWith(units), HeldOf(units), LinksOf(units),
+                                         blocking, stop_, priorities_.BetweenUnits(units));
       std::set<std::size_t> dissolved;
       for (int unit : apart.stuck) {
         if (pieces[piece_of[unit]].group >= 0) dissolved.insert(piece_of[unit]);
@@ -145,30 +151,34 @@ class Builder {
   }
 
   // Puts all units of a group together, from a copy of those it is called with.
-  Unit PutTogether(const std::vector<Unit>& units, const std::string& name) {
+  AssemblyUnit PutTogether(const std::vector<AssemblyUnit>& units, const std::string& name) {
     if (units.size() == 1) {
       if (!ReadyFixings(units.front().parts).empty() || (name.empty() && steps_.empty())) {
         StepFacts facts;
         facts.arrivals.push_back({units.front().parts, units.front().built, ""});
-        return {AddStep(std::move(facts), {}, name, {Eigen::Vector3d::Zero()}), ""};
+        return {AddSteps(std::move(facts), {}, name, {Eigen::Vector3d::Zero()}, kNothingMore), ""};
       }
       return units.front();
     }
     std::vector<std::vector<int>> parts_of;
-    for (const Unit& unit : units) parts_of.push_back(unit.parts);
+    for (const AssemblyUnit& unit : units) parts_of.push_back(unit.parts);
+    CheckBuilt(units);
     const Blocking blocking(design_, items_, solids_, joints_, parts_of, stop_);
     std::vector<int> all;
     for (std::size_t i = 0; i < units.size(); ++i) all.push_back(static_cast<int>(i));
     int pieces = 0;
-    return {Join(units, all, FactsOf(units), blocking, name, &pieces), ""};
+    return {Join(units, all, FactsWith(units), blocking, name, &pieces), ""};
   }
 
-  std::vector<int> Join(const std::vector<Unit>& units, const std::vector<int>& chosen,
+  std::vector<int> Join(const std::vector<AssemblyUnit>& units, const std::vector<int>& chosen,
                         const std::vector<UnitFacts>& unit_facts, const Blocking& blocking,
                         const std::string& name, int* pieces) {
     if (chosen.size() == 1) return units[chosen.front()].parts;
-    const TakenApart apart =
-        TakeApart(chosen, unit_facts, HeldOf(units), LinksOf(units), blocking, stop_);
+    const TakenApart apart = TakeApart(chosen, unit_facts, HeldOf(units), LinksOf(units), blocking,
+                                       stop_, priorities_.BetweenUnits(units));
+    if (apart.conflict) SetConflict(units, *apart.conflict);
+    if (!contradiction_.ok()) return {};
+    const std::vector<int> coming = ComingAfter(apart);
     std::vector<int> standing;
     StepFacts facts;
     std::vector<Eigen::Vector3d> ways_in;
@@ -184,7 +194,8 @@ class Builder {
           if (!design_.parts[part].connecting) facts.stuck.push_back(part);
         }
       }
-      standing = AddStep(std::exchange(facts, {}), standing, name, std::exchange(ways_in, {}));
+      standing = AddSteps(std::exchange(facts, {}), standing, name, std::exchange(ways_in, {}),
+                          coming[apart.steps.size()]);
     }
     for (auto step = apart.steps.rbegin(); step != apart.steps.rend(); ++step) {
       for (auto removal = step->rbegin(); removal != step->rend(); ++removal) {
@@ -195,6 +206,7 @@ class Builder {
           arrival.built =
               absl::StrCat("piece ", ++*pieces, " of the ", name.empty() ? "whole" : name);
           arrival.parts = Join(units, removal->units, unit_facts, blocking, arrival.built, pieces);
+          if (!contradiction_.ok()) return {};
         }
         facts.arrivals.push_back(std::move(arrival));
         ways_in.emplace_back(-DirectionOf(removal->direction));
@@ -202,9 +214,39 @@ class Builder {
       for (const auto& [a, b] : blocking.unknown()) {
         if (MeetIn(facts, standing, a, b)) facts.unknown.emplace_back(a, b);
       }
-      standing = AddStep(std::exchange(facts, {}), standing, name, std::exchange(ways_in, {}));
+      const auto later = static_cast<std::size_t>(std::distance(step, apart.steps.rend())) - 1;
+      standing = AddSteps(std::exchange(facts, {}), standing, name, std::exchange(ways_in, {}),
+                          coming[later]);
     }
     return standing;
+  }
+
+  // The lowest priority of the first so many steps of taking apart, which come in last.
+  static std::vector<int> ComingAfter(const TakenApart& apart) {
+    std::vector<int> lowest = {kNothingMore};
+    for (const std::vector<Removal>& step : apart.steps) {
+      lowest.push_back(lowest.back());
+      for (const Removal& removal : step) {
+        if (removal.priority > 0) lowest.back() = std::min(lowest.back(), removal.priority);
+      }
+    }
+    return lowest;
+  }
+
+  // Finds sub-assemblies that are built before what is to be done first.
+  void CheckBuilt(const std::vector<AssemblyUnit>& units) {
+    if (!priorities_.any()) return;
+    const std::vector<PriorityTag> tags = priorities_.OfUnits(units);
+    for (std::size_t i = 0; i < units.size() && contradiction_.ok(); ++i) {
+      if (units[i].built.empty()) continue;
+      contradiction_ = priorities_.CheckBuilt(units[i].parts, units[i].built, tags[i]);
+    }
+  }
+
+  void SetConflict(const std::vector<AssemblyUnit>& units, const PriorityConflict& conflict) {
+    const std::vector<PriorityTag> tags = priorities_.OfUnits(units);
+    contradiction_ = priorities_.Conflict(tags[conflict.late], units[conflict.late].parts,
+                                          tags[conflict.early], units[conflict.early].parts);
   }
 
   // Whether a step is the first in which both parts are there.
@@ -222,14 +264,77 @@ class Builder {
     return of_a > -2 && of_b > -2 && of_a != of_b;
   }
 
-  // Adds the step with the connectors that it can have; all that stands after it.
+  // Adds the step that brings parts in, and those that only make connections of later priorities;
+  // all that stands after them. `coming` is the lowest priority of what comes in later: connections
+  // of later ones wait for it.
+  std::vector<int> AddSteps(StepFacts facts, std::vector<int> standing, const std::string& name,
+                            const std::vector<Eigen::Vector3d>& ways_in, int coming) {
+    std::vector<int> present = standing;
+    for (const StepFacts::Arrival& arrival : facts.arrivals) {
+      present.insert(present.end(), arrival.parts.begin(), arrival.parts.end());
+    }
+    std::vector<int> now;
+    std::map<int, std::vector<int>> later;  // by priority
+    for (int fixing : ReadyFixings(present)) {
+      const int priority = priorities_.OfFixing(fixing).priority;
+      if (priority > coming && HasPegs(joints_.fixings[fixing])) {
+        contradiction_ = priorities_.PegConflict(fixing, coming);
+        return {};
+      }
+      if (priority == 0 || HasPegs(joints_.fixings[fixing])) {
+        now.push_back(fixing);
+      } else if (priority <= coming) {
+        later[priority].push_back(fixing);
+      }
+    }
+    if (!later.empty()) {
+      const auto first = later.begin();
+      now.insert(now.end(), first->second.begin(), first->second.end());
+      std::sort(now.begin(), now.end());
+      later.erase(first);
+    }
+    standing = AddStep(std::move(facts), std::move(standing), name, ways_in, now);
+    for (const auto& [priority, fixings] : later) {
+      // Those of the next step's priority are made with it.
+      if (priority < coming) standing = AddStep({}, std::move(standing), name, {}, fixings);
+    }
+    return standing;
+  }
+
+  bool HasPegs(const Fixing& fixing) const {
+    return std::any_of(fixing.connectors.begin(), fixing.connectors.end(), [&](int connector) {
+      const auto item = items_.find(design_.parts[connector].item);
+      return item != items_.end() && item->second.kind == ItemKind::kDowel;
+    });
+  }
+
+  // The latest of the priorities with which parts come in and connections are made.
+  int PriorityOf(const StepFacts& facts, const std::vector<int>& fixings) const {
+    int latest = 0;
+    for (int fixing : fixings) latest = std::max(latest, priorities_.OfFixing(fixing).priority);
+    for (const StepFacts::Arrival& arrival : facts.arrivals) {
+      if (!arrival.built.empty() || is_added_[arrival.parts.front()]) continue;
+      latest = std::max(latest, design_.parts[arrival.parts.front()].priority);
+    }
+    return latest;
+  }
+
+  // Adds the step with these connections; all that stands after it. Without arrivals what stands
+  // is what they are made in.
   std::vector<int> AddStep(StepFacts facts, std::vector<int> standing, const std::string& name,
-                           const std::vector<Eigen::Vector3d>& ways_in) {
+                           const std::vector<Eigen::Vector3d>& ways_in,
+                           const std::vector<int>& fixings) {
     AssemblyStep step;
     step.number = static_cast<int>(steps_.size()) + 1;
-    step.priority = step.number;
+    step.priority = priorities_.any() ? PriorityOf(facts, fixings) : step.number;
     step.subassembly = name;
-    for (int part : standing) step.standing.push_back(design_.parts[part].name);
+    std::vector<std::string> before;
+    for (int part : standing) before.push_back(design_.parts[part].name);
+    if (facts.arrivals.empty()) {
+      step.moves.push_back({std::move(before), Eigen::Vector3d::Zero()});
+    } else {
+      step.standing = std::move(before);
+    }
     for (std::size_t i = 0; i < facts.arrivals.size(); ++i) {
       AssemblyStep::Move& move = step.moves.emplace_back();
       move.way_in = ways_in[i];
@@ -241,7 +346,7 @@ class Builder {
         }
       }
     }
-    for (int fixing : ReadyFixings(standing)) {
+    for (int fixing : fixings) {
       AddFixing(joints_.fixings[fixing], &step);
       is_fixed_[fixing] = true;
       for (int connector : joints_.fixings[fixing].connectors) {
@@ -311,72 +416,31 @@ class Builder {
     }
     if (facts.arrivals.empty()) return;
     const std::vector<Eigen::Vector3d> ways(facts.arrivals.size(), Eigen::Vector3d::Zero());
-    AddStep(std::move(facts), standing, "", ways);
+    AddStep(std::move(facts), standing, "", ways, {});
   }
 
-  std::vector<UnitFacts> FactsOf(const std::vector<Unit>& units) const {
-    std::vector<UnitFacts> facts;
-    for (const Unit& unit : units) {
-      Eigen::AlignedBox3d box;
-      for (int part : unit.parts) box.extend(solids_[part].box());
-      const Part& first = design_.parts[unit.parts.front()];
-      const auto item = items_.find(first.item);
-      const bool rolls = unit.built.empty() && item != items_.end() && item->second.round &&
-                         item->second.kind == ItemKind::kHardware;
-      facts.push_back({unit.built.empty() ? first.family : "", !unit.built.empty(), rolls,
-                       unit.built.empty() ? first.group : 0, box.min().z(), box.max().z(),
-                       box.volume()});
-    }
+  // With their priorities.
+  std::vector<UnitFacts> FactsWith(const std::vector<AssemblyUnit>& units) const {
+    std::vector<UnitFacts> facts = FactsOf(design_, items_, solids_, units);
+    const std::vector<PriorityTag> tags = priorities_.OfUnits(units);
+    for (std::size_t i = 0; i < units.size(); ++i) facts[i].priority = tags[i].priority;
     return facts;
   }
 
-  // Which unit a part is of; -1 for none.
-  std::vector<int> UnitOfParts(const std::vector<Unit>& units) const {
-    std::vector<int> unit_of(design_.parts.size(), -1);
-    for (std::size_t unit = 0; unit < units.size(); ++unit) {
-      for (int part : units[unit].parts) unit_of[part] = static_cast<int>(unit);
-    }
-    return unit_of;
+  Links HeldOf(const std::vector<AssemblyUnit>& units) const {
+    return HeldLinks(design_, joints_, units);
   }
 
-  static void Link(int a, int b, Links* links) {
-    if (a >= 0 && b >= 0) (*links)[a][b] = (*links)[b][a] = true;
-  }
-
-  // Which units are held to each other by connectors that hold nothing else.
-  Links HeldOf(const std::vector<Unit>& units) const {
-    const std::vector<int> unit_of = UnitOfParts(units);
-    Links held(units.size(), std::vector<bool>(units.size(), false));
-    for (const Fixing& fixing : joints_.fixings) {
-      const bool within = std::all_of(fixing.principals.begin(), fixing.principals.end(),
-                                      [&](int part) { return unit_of[part] >= 0; });
-      if (!within) continue;
-      for (int part : fixing.principals) {
-        Link(unit_of[fixing.principals.front()], unit_of[part], &held);
-      }
-    }
-    return held;
-  }
-
-  // Which are, or touch.
-  Links LinksOf(const std::vector<Unit>& units) const {
-    const std::vector<int> unit_of = UnitOfParts(units);
-    Links links = HeldOf(units);
-    const int count = static_cast<int>(design_.parts.size());
-    for (int a = 0; a < count; ++a) {
-      for (int b = a + 1; b < count; ++b) {
-        if (joints_.touching[a][b]) Link(unit_of[a], unit_of[b], &links);
-      }
-    }
-    return links;
+  Links LinksOf(const std::vector<AssemblyUnit>& units) const {
+    return AllLinks(design_, joints_, units);
   }
 
   // Whether the pieces of a group hold together by themselves: only then it is built by itself.
   bool HoldsTogether(int group) const {
-    std::vector<Unit> units;
+    std::vector<AssemblyUnit> units;
     std::vector<int> all;
     for (const Piece& piece : DirectPiecesOf(group)) {
-      Unit unit{PrincipalsOf(piece), ""};
+      AssemblyUnit unit{PrincipalsOf(piece), ""};
       if (unit.parts.empty()) continue;
       all.push_back(static_cast<int>(units.size()));
       units.push_back(std::move(unit));
@@ -390,6 +454,8 @@ class Builder {
   const std::stop_token stop_;
   const std::vector<PartSolid> solids_;
   const Joints joints_;
+  const AssemblyPriorities priorities_;
+  absl::Status contradiction_;  // of priorities, the first that was found
   std::vector<bool> is_fixed_;  // fixings
   std::vector<char> is_added_;  // parts
   std::vector<AssemblyStep> steps_;
@@ -405,9 +471,9 @@ bool HasOrderOfItsOwn(const Design& design) {
          });
 }
 
-std::vector<AssemblyStep> OrderedSteps(const Design& design, const Items& items,
-                                       const std::vector<Mark>& marks,
-                                       const std::stop_token& stop) {
+absl::StatusOr<std::vector<AssemblyStep>> OrderedSteps(const Design& design, const Items& items,
+                                                       const std::vector<Mark>& marks,
+                                                       const std::stop_token& stop) {
   return Builder(design, items, marks, stop).Build();
 }
 

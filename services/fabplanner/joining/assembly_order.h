@@ -7,6 +7,10 @@
 // taking_apart.h. Connecting parts come in with the step that brings the last of the parts that
 // they hold. Pegs are part of the way in: what is pushed onto pegs comes along them.
 //
+// Where the expert gives priorities (assembly_priorities.h), what has a lower one comes in, and is
+// made, first; connections of one priority are one step where they can. What has none comes in
+// where its shape lets it.
+//
 // Judged are the ways of principal parts, by part_solid.h. Not judged: whether a screw can be
 // reached, the ways of connecting parts, and movements that turn.
 #pragma once
@@ -14,6 +18,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "services/fabplanner/plan/design.h"
 #include "services/fabplanner/plan/plan.h"
 
@@ -27,8 +32,11 @@ bool HasOrderOfItsOwn(const Design& design);
 // exactly one of them. Where no order exists the step that brings parts together names those that
 // block each other. Depends on nothing but its arguments. Once a stop is requested it returns soon,
 // with steps that are of no use. O(parts³).
-std::vector<AssemblyStep> OrderedSteps(const Design& design, const Items& items,
-                                       const std::vector<Mark>& marks,
-                                       const std::stop_token& stop = {});
+//
+// FAILED_PRECONDITION, reason PRIORITIES_CONTRADICT, where priorities contradict each other or the
+// shapes, naming the two parts or connections.
+absl::StatusOr<std::vector<AssemblyStep>> OrderedSteps(const Design& design, const Items& items,
+                                                       const std::vector<Mark>& marks,
+                                                       const std::stop_token& stop = {});
 
 }  // namespace mortise::fabplanner

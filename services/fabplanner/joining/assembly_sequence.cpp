@@ -165,7 +165,7 @@ absl::StatusOr<std::vector<AssemblyStep>> StepsByShape(const Design& design, con
         absl::StrCat("the order in which ", design.parts.size(), " parts are put together"),
         absl::StrCat(kMaxOrderedParts, " parts in one design"));
   }
-  std::vector<AssemblyStep> steps = OrderedSteps(design, items, marks, stop);
+  auto steps = OrderedSteps(design, items, marks, stop);
   if (stop.stop_requested()) return absl::CancelledError("the ordering of the steps was stopped");
   return steps;
 }

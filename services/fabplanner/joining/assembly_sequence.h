@@ -24,7 +24,8 @@ inline constexpr std::size_t kMaxOrderedParts = 2000;
 // step. INVALID_ARGUMENT if a connection names an unknown part, joins a part to itself or has pegs
 // of differing priorities; FAILED_PRECONDITION, reason PARTS_UNCONNECTED, naming parts that the
 // connections leave loose. `marks`: of the design's holes. Of those of assembly_order.h:
-// RESOURCE_EXHAUSTED past kMaxOrderedParts, CANCELLED once a stop is requested.
+// RESOURCE_EXHAUSTED past kMaxOrderedParts, CANCELLED once a stop is requested,
+// FAILED_PRECONDITION where priorities contradict each other or the shapes.
 absl::StatusOr<std::vector<AssemblyStep>> AssemblySteps(const Design& design, const Items& items,
                                                         const std::vector<Mark>& marks = {},
                                                         const std::stop_token& stop = {});

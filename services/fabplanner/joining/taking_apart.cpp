@@ -79,6 +79,32 @@ std::vector<bool> CutUnits(const std::vector<int>& units, const Links& links) {
 
 int64_t Millimetre(double metres) { return std::llround(metres * 1000); }
 
+// The highest priority of units; 0 if none has one.
+int HighestPriority(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
+  int highest = 0;
+  for (int unit : units) highest = std::max(highest, facts[unit].priority);
+  return highest;
+}
+
+// The lowest that one has; as high as can be if none has one.
+int LowestPriority(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
+  int lowest = std::numeric_limits<int>::max();
+  for (int unit : units) {
+    if (facts[unit].priority > 0) lowest = std::min(lowest, facts[unit].priority);
+  }
+  return lowest;
+}
+
+// Those that may come first: of the lowest priority, or of none.
+std::vector<int> MayBegin(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
+  const int lowest = LowestPriority(units, facts);
+  std::vector<int> first;
+  std::copy_if(units.begin(), units.end(), std::back_inserter(first), [&](int unit) {
+    return facts[unit].priority == 0 || facts[unit].priority == lowest;
+  });
+  return first;
+}
+
 int PickBase(const std::vector<int>& units, const std::vector<UnitFacts>& facts) {
   const bool all_roll =
       std::all_of(units.begin(), units.end(), [&](int unit) { return facts[unit].rolls; });
@@ -104,10 +130,17 @@ int PickBase(const std::vector<int>& units, const std::vector<UnitFacts>& facts)
 class Disassembly {
  public:
   Disassembly(const std::vector<int>& units, const std::vector<UnitFacts>& facts, const Links& held,
-              const Links& linked, const Blocking& blocking, const std::stop_token& stop)
-      : facts_(facts), links_({&held, &linked}), blocking_(blocking), stop_(stop), left_(units) {
+              const Links& linked, const Blocking& blocking, const std::stop_token& stop,
+              const ConnectionPriorities& priorities)
+      : facts_(facts),
+        links_({&held, &linked}),
+        blocking_(blocking),
+        stop_(stop),
+        priorities_(priorities),
+        left_(units) {
     std::sort(left_.begin(), left_.end());
-    result_.base = PickBase(left_, facts);
+    result_.base = PickBase(MayBegin(left_, facts), facts);
+    follows_priorities_ = HighestPriority(left_, facts) > 0;
     hops_ = HopsFrom(result_.base, left_, InOnePiece(left_, held) ? held : linked);
     for (int direction = 0; direction < kDirections; ++direction) {
       blockers_[direction].assign(facts.size(), 0);
@@ -124,6 +157,13 @@ class Disassembly {
   TakenApart Run() {
     while (left_.size() > 1) {
       if (!stop_.stop_requested() && (TakeOne() || TakeSeveral())) continue;
+      if (!stop_.stop_requested() && follows_priorities_) {
+        result_.conflict = FindConflict();
+        if (result_.conflict) return std::move(result_);
+        // What is stuck is so whatever the priorities.
+        follows_priorities_ = false;
+        continue;
+      }
       result_.stuck = left_;
       return std::move(result_);
     }
@@ -184,18 +224,60 @@ class Disassembly {
     return std::find_if(free.begin(), free.end(), [&](int unit) { return !cut[unit]; });
   }
 
+  // Whether no unit that is left has a higher priority.
+  bool MayLeave(int unit) const {
+    return !follows_priorities_ || facts_[unit].priority == 0 ||
+           facts_[unit].priority >= HighestPriority(left_, facts_);
+  }
+
+  // The priority with which several come off together: the highest of all that is left, which all
+  // of them have, or that of all that fastens them to the rest. Nothing if they may not yet.
+  std::optional<int> PriorityTogether(const std::vector<int>& leaving,
+                                      const std::vector<int>& staying) const {
+    if (!follows_priorities_) return 0;
+    const int lowest = LowestPriority(leaving, facts_);
+    if (lowest >= HighestPriority(left_, facts_)) return HighestPriority(leaving, facts_);
+    if (priorities_.empty()) return std::nullopt;
+    int broken = std::numeric_limits<int>::max(), highest = HighestPriority(staying, facts_);
+    for (int unit : left_) {
+      for (int other : left_) highest = std::max(highest, priorities_[unit][other]);
+    }
+    for (int unit : leaving) {
+      for (int other : staying) {
+        if (priorities_[unit][other] > 0) broken = std::min(broken, priorities_[unit][other]);
+      }
+    }
+    if (broken == std::numeric_limits<int>::max() || broken < highest) return std::nullopt;
+    return broken;
+  }
+
+  // By unit: whether what stays would not be joined without it.
+  std::vector<bool> CutNow(const Links* kept) const {
+    return kept == nullptr ? std::vector<bool>(facts_.size(), false) : CutUnits(left_, *kept);
+  }
+
   // Takes off those of a family that come off alone, as far as `kept` joins what stays.
   void TakeFamily(const std::string& family, const Links* kept) {
-    const auto cut_now = [&] {
-      return kept == nullptr ? std::vector<bool>(facts_.size(), false) : CutUnits(left_, *kept);
-    };
-    std::vector<bool> cut = cut_now();
+    std::vector<bool> cut = CutNow(kept);
     for (int unit : std::vector<int>(left_)) {
       if (unit == result_.base || facts_[unit].family != family || cut[unit]) continue;
       const std::optional<int> way = WayOff(unit);
-      if (!way) continue;
-      Remove({{unit}, *way});
-      cut = cut_now();
+      if (!way || !MayLeave(unit)) continue;
+      Remove({{unit}, *way, facts_[unit].priority});
+      cut = CutNow(kept);
+    }
+  }
+
+  // Takes off those of a priority among `free`, as far as `kept` joins what stays. Each of them
+  // came off while all others stood, so they come in in any order.
+  void TakePriority(int priority, const std::vector<Removal>& free, const Links* kept) {
+    std::vector<bool> cut = CutNow(kept);
+    for (const Removal& removal : free) {
+      const int unit = removal.units.front();
+      if (facts_[unit].priority != priority || cut[unit]) continue;
+      if (!std::binary_search(left_.begin(), left_.end(), unit)) continue;
+      Remove(removal);
+      cut = CutNow(kept);
     }
   }
 
@@ -203,7 +285,7 @@ class Disassembly {
   bool TakeOne() {
     std::vector<int> free;
     for (int unit : left_) {
-      if (unit != result_.base && WayOff(unit)) free.push_back(unit);
+      if (unit != result_.base && WayOff(unit) && MayLeave(unit)) free.push_back(unit);
     }
     if (free.empty()) return false;
     std::sort(free.begin(), free.end(), [&](int a, int b) { return RankOf(a) < RankOf(b); });
@@ -217,15 +299,20 @@ class Disassembly {
       kept = links;
     }
     const int first = *chosen;
+    std::vector<Removal> ways;
+    for (int unit : free) ways.push_back({{unit}, *WayOff(unit), facts_[unit].priority});
     result_.steps.emplace_back();
-    Remove({{first}, *WayOff(first)});
+    Remove({{first}, *WayOff(first), facts_[first].priority});
+    if (follows_priorities_ && facts_[first].priority > 0) {
+      TakePriority(facts_[first].priority, ways, kept);
+    }
     if (!facts_[first].family.empty()) TakeFamily(facts_[first].family, kept);
     return true;
   }
 
   // Takes off the fewest units that come off together.
   bool TakeSeveral() {
-    using Rank = std::tuple<bool, std::size_t, int, std::vector<int>>;
+    using Rank = std::tuple<bool, std::size_t, int, std::vector<int>, int>;
     std::optional<Rank> best;
     for (int direction = 0; direction < kDirections; ++direction) {
       for (int unit : left_) {
@@ -238,25 +325,58 @@ class Disassembly {
           std::swap(moving, staying);
           way = Opposite(direction);
         }
+        const std::optional<int> priority = PriorityTogether(moving, staying);
+        if (!priority) continue;
         const bool loose = !InOnePiece(moving, *links_[1]) || !InOnePiece(staying, *links_[1]);
         const std::size_t count = moving.size();
-        Rank rank(loose, count, way, std::move(moving));
+        Rank rank(loose, count, way, std::move(moving), *priority);
         if (!best || rank < *best) best = std::move(rank);
       }
     }
     if (!best) return false;
     result_.steps.emplace_back();
-    Remove({std::get<3>(*best), std::get<2>(*best)});
+    Remove({std::get<3>(*best), std::get<2>(*best), std::get<4>(*best)});
     return true;
+  }
+
+  // Of the units of the highest priority, the first that would come off but for one of a lower one.
+  std::optional<PriorityConflict> FindConflict() const {
+    const int highest = HighestPriority(left_, facts_);
+    std::optional<PriorityConflict> found;
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    for (int late : left_) {
+      if (facts_[late].priority != highest) continue;
+      for (int direction = 0; direction < kDirections; ++direction) {
+        std::vector<int> leaving = blocking_.MovesWith(direction, late, left_);
+        if (leaving.size() == left_.size()) continue;
+        if (std::binary_search(leaving.begin(), leaving.end(), result_.base)) {
+          leaving = Without(left_, leaving);
+        }
+        std::vector<int> lower;
+        for (int unit : leaving) {
+          const int priority = facts_[unit].priority;
+          if (unit != late && priority > 0 && priority < highest) lower.push_back(unit);
+        }
+        if (lower.empty() || leaving.size() >= fewest) continue;
+        fewest = leaving.size();
+        const auto beside = std::find_if(lower.begin(), lower.end(), [&](int unit) {
+          return blocking_.Blocks(direction, late, unit);
+        });
+        found = PriorityConflict{late, beside == lower.end() ? lower.front() : *beside};
+      }
+    }
+    return found;
   }
 
   const std::vector<UnitFacts>& facts_;
   const std::array<const Links*, 2> links_;  // the better first
   const Blocking& blocking_;
   const std::stop_token stop_;
+  const ConnectionPriorities& priorities_;
   std::vector<int> left_;
   std::array<std::vector<int>, kDirections> blockers_;  // of each unit, among those left
   std::map<int, int> hops_;
+  bool follows_priorities_ = false;  // no unit has one, or they do not matter any more
   TakenApart result_;
 };
 
@@ -268,8 +388,8 @@ bool InOnePiece(const std::vector<int>& units, const Links& links) {
 
 TakenApart TakeApart(const std::vector<int>& units, const std::vector<UnitFacts>& facts,
                      const Links& held, const Links& linked, const Blocking& blocking,
-                     const std::stop_token& stop) {
-  return Disassembly(units, facts, held, linked, blocking, stop).Run();
+                     const std::stop_token& stop, const ConnectionPriorities& priorities) {
+  return Disassembly(units, facts, held, linked, blocking, stop, priorities).Run();
 }
 
 }  // namespace mortise::fabplanner

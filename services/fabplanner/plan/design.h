@@ -81,6 +81,9 @@ struct Part {
   bool connecting = false;  // holds other parts together
   int group = 0;            // index into Design::groups
   std::string family = {};  // what it shares with parts that repeat it; empty for its name
+  // Assembly order, lower first: of a connecting part, of the connection that it makes; of another,
+  // of its coming in. 0 for where its shape lets it.
+  int priority = 0;
 };
 
 // A sub-assembly. Group 0 is the whole.

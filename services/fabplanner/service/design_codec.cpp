@@ -188,6 +188,7 @@ void AddDrawing(const v1::Assembly& assembly, Design* design) {
     if (drawn == nullptr) continue;
     if (part.title.empty()) part.title = drawn->title();
     part.family = drawn->name();
+    part.priority = drawn->priority();
     const auto group = group_index.find(drawn->group());
     if (group != group_index.end()) part.group = group->second;
   }

@@ -379,6 +379,12 @@ TEST(AssemblyCodec, RefusesWhatIsTooFarTooSmallOrTooLong) {
                 rack.mutable_parts(2)->set_title(std::string(201, 'x'));
               }),
               UnorderedElementsAre("title", "description", "parts[2].title"));
+  EXPECT_THAT(faults([](auto& rack) {
+                rack.mutable_parts(0)->set_priority(1000);
+                rack.mutable_parts(1)->set_priority(1001);
+                rack.mutable_parts(2)->set_priority(-1);
+              }),
+              UnorderedElementsAre("parts[1].priority", "parts[2].priority"));
 }
 
 TEST(AssemblyCodec, TextThatIsNoneIsRefusedWithItsPlace) {

@@ -111,6 +111,24 @@ TEST(AssemblyImport, TakesTheTagsOfAnnotations) {
   EXPECT_EQ(drawn.assembly.labels().at("site"), "B");
 }
 
+// Of all parts of a product, too; what it may not be is told at the annotation, drawn or not.
+TEST(AssemblyImport, TakesThePrioritiesOfAnnotations) {
+  const std::string name = "name: 'assemblies/trestle' parts { parts: 'Ann' left_out: true } ";
+  const DrawnAssembly drawn = Made(name +
+                                   "parts { product: 'leg' priority: 2 } "
+                                   "parts { parts: 'bolt' role: CONNECTING priority: 3 }");
+  EXPECT_THAT(drawn.findings, IsEmpty());
+  EXPECT_EQ(PartOf(drawn, "leg 1").priority(), 2);
+  EXPECT_EQ(PartOf(drawn, "leg 2").priority(), 2);
+  EXPECT_EQ(PartOf(drawn, "bolt").priority(), 3);
+  EXPECT_EQ(PartOf(drawn, "top").priority(), 0);
+  EXPECT_THAT(Fields(name + "parts { parts: 'top' priority: 1001 }"),
+              ElementsAre("annotations.parts[1].priority"));
+  EXPECT_THAT(
+      Fields("name: 'assemblies/a' parts { parts: 'nobody' priority: -1 }"),
+      UnorderedElementsAre("annotations.parts[0].parts[0]", "annotations.parts[0].priority"));
+}
+
 TEST(AssemblyImport, MakesPartsGroupsAndNotes) {
   const DrawnAssembly drawn = Made(kGood);
   EXPECT_THAT(drawn.findings, IsEmpty());

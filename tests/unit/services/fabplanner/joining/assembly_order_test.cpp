@@ -27,6 +27,12 @@ Part Block(const std::string& name, const Eigen::Vector3d& lower, const Eigen::V
   return BoxPart(name, "items/plywood-18", CutProcess::kJigsaw, lower, upper, 0, 2);
 }
 
+std::vector<AssemblyStep> StepsOf(const Design& design) {
+  const auto steps = OrderedSteps(design, ExampleItems(), {});
+  EXPECT_TRUE(steps.ok()) << steps.status();
+  return steps.ok() ? *steps : std::vector<AssemblyStep>();
+}
+
 // The number of the step with which a part comes in.
 int StepOf(const std::vector<AssemblyStep>& steps, const std::string& part) {
   int found = 0;
@@ -43,7 +49,7 @@ int StepOf(const std::vector<AssemblyStep>& steps, const std::string& part) {
 
 TEST(AssemblyOrderTest, ScrewsComeWithTheLastPartTheyHold) {
   const Design design = ExampleRack();
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   for (const Part& part : design.parts) StepOf(steps, part.name);
   EXPECT_EQ(steps.front().added_parts.front(), "side 1");
   EXPECT_EQ(StepOf(steps, "shelf 1 screw left"), StepOf(steps, "shelf 1"));
@@ -61,7 +67,7 @@ TEST(AssemblyOrderTest, SubAssembliesComeFirstAndThenInOnePiece) {
   design.parts.push_back(Block("wall", {x, 0, 0.33}, {x + 0.02, 0.3, 0.5}));
   design.parts.push_back(ScrewPart("box screw", {x + 0.01, 0.1, 0.318}, 2, 1));
   for (std::size_t i = 8; i < 11; ++i) design.parts[i].group = 1;
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   EXPECT_EQ(steps[0].subassembly, "box");
   EXPECT_THAT(steps[0].connectors, ElementsAre("box screw"));
   const AssemblyStep& joining = steps.back();
@@ -84,7 +90,7 @@ TEST(AssemblyOrderTest, PartsThatOnlyTouchAreBuiltIfTheyAreDrawn) {
   EXPECT_FALSE(HasOrderOfItsOwn(design));
   design.is_drawn = true;
   ASSERT_TRUE(HasOrderOfItsOwn(design));
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   for (const Part& part : design.parts) StepOf(steps, part.name);
 }
 
@@ -110,7 +116,7 @@ TEST(AssemblyOrderTest, WhatComesOffOnlyTogetherIsBuiltByItself) {
                                        0.035, 0.008, "items/dowel-8x35"));
     }
   }
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   for (const Part& part : design.parts) StepOf(steps, part.name);
   int pegs = 0, pieces = 0;
   for (const AssemblyStep& step : steps) {
@@ -152,7 +158,7 @@ TEST(AssemblyOrderTest, PartsThatBlockEachOtherAreNamed) {
   Design design;
   design.parts.push_back(Ring("link one", 1, {0, 0}, {1, 1}, 0));
   design.parts.push_back(Ring("link two", 2, {-0.3, -0.3}, {0.5, 0.4}, 0.45));
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   for (const Part& part : design.parts) StepOf(steps, part.name);
   ASSERT_EQ(steps.size(), 1);
   EXPECT_THAT(steps[0].instruction, HasSubstr("each stands in another's way"));
@@ -186,7 +192,7 @@ TEST(AssemblyOrderTest, GroupsThatDoNotComeTogetherAreNotBuiltByThemselves) {
   };
   add_frame("one", {0, 0, 0}, {1, 0.1, 1}, 0);
   add_frame("two", {0.45, -0.5, 0.4}, {0.55, 0.55, 1.5}, 1);
-  const std::vector<AssemblyStep> steps = OrderedSteps(design, ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(design);
   for (const Part& part : design.parts) StepOf(steps, part.name);
   for (const AssemblyStep& step : steps) {
     EXPECT_THAT(step.instruction, Not(HasSubstr("each stands in another's way"))) << step.number;
@@ -198,7 +204,7 @@ TEST(AssemblyOrderTest, OrderOfPartsDoesNotMatterToWhatIsAdded) {
   Design design = ExampleRack();
   const auto order_of = [](const Design& shuffled) {
     std::vector<std::vector<std::string>> order;
-    for (const AssemblyStep& step : OrderedSteps(shuffled, ExampleItems(), {})) {
+    for (const AssemblyStep& step : StepsOf(shuffled)) {
       order.push_back(step.added_parts);
       std::sort(order.back().begin(), order.back().end());
     }
@@ -269,7 +275,7 @@ Design Wall(int width, int height) {
 }
 
 TEST(TakingApartTest, WhatIsLeftHoldsTogether) {
-  const std::vector<AssemblyStep> steps = OrderedSteps(Wall(7, 5), ExampleItems(), {});
+  const std::vector<AssemblyStep> steps = StepsOf(Wall(7, 5));
   std::set<int> standing;
   for (const AssemblyStep& step : steps) {
     for (const std::string& name : step.added_parts) {

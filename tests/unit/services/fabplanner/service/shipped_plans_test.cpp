@@ -276,6 +276,35 @@ TEST_P(ShippedPlansTest, HasAPlanThatCanBeFollowed) {
   }
 }
 
+// Its expert has the shelves fastened to one side after the other, and the back come last.
+TEST(ShippedBookshelf, FollowsItsPriorities) {
+  Shipped bookshelf = Load("assemblies/bookshelf");
+  ASSERT_NE(bookshelf.compiled, nullptr);
+  const auto items = ItemsFrom(bookshelf.bundle);
+  ASSERT_TRUE(items.ok()) << items.status();
+  const auto design =
+      bookshelf.compiled->Evaluate(parametric::Defaults(bookshelf.compiled->parameters()));
+  ASSERT_TRUE(design.ok()) << design.status();
+  const v1::Plan plan = CheckedPlan(bookshelf, *design, *items, "");
+  int latest = 0;
+  for (const v1::AssemblyStep& step : plan.steps()) {
+    if (step.priority() == 0) continue;
+    EXPECT_GE(step.priority(), latest) << step.number();
+    latest = step.priority();
+  }
+  ASSERT_GT(plan.steps_size(), 2);
+  const v1::AssemblyStep& last = plan.steps(plan.steps_size() - 1);
+  EXPECT_EQ(last.priority(), 3);
+  EXPECT_THAT(last.added_parts(), ::testing::Contains("back"));
+  // Without them it would begin with the largest.
+  for (v1::AssemblyPart& part : *bookshelf.bundle.mutable_assembly()->mutable_parts()) {
+    part.clear_priority();
+  }
+  const v1::Plan by_shapes = CheckedPlan(bookshelf, *design, *items, "");
+  ASSERT_GT(by_shapes.steps_size(), 0);
+  EXPECT_THAT(by_shapes.steps(0).added_parts(), ::testing::Contains("back"));
+}
+
 // Table 8.2 of the thesis: without armrests two parts less from the chop saw, and a step.
 TEST(ShippedArmchair, HasAStepLessWithoutArmrests) {
   const Shipped armchair = Load("templates/armchair");
