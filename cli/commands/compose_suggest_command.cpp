@@ -109,6 +109,12 @@ absl::Status Suggest(const SuggestOptions& options, Session& session, Output& ou
   if (found.suggestions().empty()) {
     output.Line("nothing in the catalog goes beside such parts, and is missing");
   }
+  if (found.not_compared() > 0) {
+    output.Line(absl::StrCat("time was over before ", found.not_compared(),
+                             found.not_compared() == 1 ? " more group of the catalog was compared"
+                                                       : " more groups of the catalog were "
+                                                         "compared"));
+  }
   output.DocumentOf(found);
   return absl::OkStatus();
 }

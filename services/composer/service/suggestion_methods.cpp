@@ -290,16 +290,17 @@ absl::StatusOr<v1::ComponentSuggestions> SuggestComponents(
   const ComponentSource source = [&](const std::string& assembly, const std::string& node) {
     return components.Get(assembly, node);
   };
-  bool is_cut_short = false;
-  const std::vector<Suggestion> found = Suggest(body, connections, source, options, &is_cut_short);
+  SearchExtent extent;
+  const std::vector<Suggestion> found = Suggest(body, connections, source, options, &extent);
   if (call.cancelled()) return absl::CancelledError("nobody waits for the answer any more");
   // None would say that nothing goes there.
-  if (is_cut_short && found.empty()) {
+  if (extent.is_cut_short && found.empty()) {
     return absl::DeadlineExceededError(
         "there was no time to look at what might come next: ask again, with a later deadline");
   }
   v1::ComponentSuggestions message;
   message.set_revision(stored.head.revision());
+  message.set_not_compared(extent.not_compared);
   for (const Suggestion& each : found) {
     const std::string& assembly = each.from->source;
     *message.add_suggestions() =

@@ -370,6 +370,15 @@ bool IsRefused(const std::vector<Suggestion>& refused, const Suggestion& suggest
   });
 }
 
+// How many components there are among matches from the one of an index on.
+std::int64_t CountGroups(const std::vector<Match>& matches, std::size_t from) {
+  std::set<std::pair<std::string, std::string>> groups;
+  for (std::size_t i = from; i < matches.size(); ++i) {
+    groups.emplace(matches[i].suggestion.from->source, matches[i].suggestion.node);
+  }
+  return static_cast<std::int64_t>(groups.size());
+}
+
 }  // namespace
 
 double PartDistance(const PrincipalPart& part, const Element& other, double fixed_size_weight) {
@@ -387,19 +396,23 @@ double PartDistance(const PrincipalPart& part, const Element& other, double fixe
 std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
                                 const ComponentSource& components, const SuggestOptions& options,
-                                bool* is_cut_short) {
+                                SearchExtent* extent) {
   Search search(body, options);
   TurnedComponents turned(components);
   std::vector<Suggestion> suggestions, refused;
   int tried = 0;
   std::vector<Match> matches = search.Matches(connections);
-  bool is_late = search.IsLate();
-  for (Match& match : matches) {
+  SearchExtent searched{search.IsLate()};
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    Match& match = matches[i];
     if (static_cast<int>(suggestions.size()) >= options.count) break;
     const Assembly* const component = turned.Get(match.suggestion);
     // What cannot be had for want of time is no reason to say that it does not fit.
-    is_late = search.IsLate();
-    if (is_late) break;
+    searched.is_cut_short = search.IsLate();
+    if (searched.is_cut_short) {
+      searched.not_compared = CountGroups(matches, i);
+      break;
+    }
     if (component == nullptr || !search.Fits(*component, match)) continue;
     if (IsSuggested(suggestions, match.suggestion) || IsRefused(refused, match.suggestion)) {
       continue;
@@ -422,7 +435,7 @@ std::vector<Suggestion> Suggest(const Design& body,
   }
   std::stable_sort(suggestions.begin(), suggestions.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
-  if (is_cut_short != nullptr) *is_cut_short = is_late;
+  if (extent != nullptr) *extent = searched;
   return suggestions;
 }
 

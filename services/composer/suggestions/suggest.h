@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string>
@@ -81,6 +82,15 @@ struct Suggestion {
   SuggestionTrial trial;
 };
 
+// How far the search for suggestions went.
+struct SearchExtent {
+  // Whether there was no time to look at all that might be suggested.
+  bool is_cut_short = false;
+  // How many of the groups that might go beside the model's parts were then not compared with what
+  // stands there in all their places; 0 also where time was over before they were found.
+  std::int64_t not_compared = 0;
+};
+
 // Returns how much two parts differ in their sizes, m: as DistanceOf counts them.
 double PartDistance(const PrincipalPart& part, const parametric::Element& other,
                     double fixed_size_weight);
@@ -112,11 +122,11 @@ using ComponentSource = std::function<absl::StatusOr<const parametric::Assembly*
 //
 // It is deterministic, whatever the order of the connections, but for `has_time` and `is_late`. Of
 // many the 1000 that are most alike are looked at of each turn. O(connections · parts), for each
-// turn what is alike, and what is asked of `components` for the best. `is_cut_short`, unless null,
-// tells whether there was no time to look at all that might be suggested.
+// turn what is alike, and what is asked of `components` for the best. `extent`, unless null, tells
+// how far it went.
 std::vector<Suggestion> Suggest(const Design& body,
                                 const std::vector<const CollectionConnection*>& connections,
                                 const ComponentSource& components, const SuggestOptions& options,
-                                bool* is_cut_short = nullptr);
+                                SearchExtent* extent = nullptr);
 
 }  // namespace mortise::composer

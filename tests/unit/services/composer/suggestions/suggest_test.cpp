@@ -249,22 +249,30 @@ TEST(SuggestTest, LookingEndsWithTheTime) {
     return ShippedSubTree(assembly, node);
   };
   SuggestOptions options = Options();
-  bool is_cut_short = true;
-  const auto all = Suggest(frame, connections, components, options, &is_cut_short);
-  EXPECT_FALSE(is_cut_short);
+  SearchExtent extent{true, 1};
+  const auto all = Suggest(frame, connections, components, options, &extent);
+  EXPECT_FALSE(extent.is_cut_short);
+  EXPECT_EQ(extent.not_compared, 0);
   ASSERT_GE(all.size(), 4U);
   const int all_asked_of = std::exchange(asked_of, 0);
   int checks = 0;
   options.is_late = [&] { return ++checks > 3; };
-  EXPECT_THAT(Suggest(frame, connections, components, options, &is_cut_short), IsEmpty());
-  EXPECT_TRUE(is_cut_short);
+  EXPECT_THAT(Suggest(frame, connections, components, options, &extent), IsEmpty());
+  EXPECT_TRUE(extent.is_cut_short);
   EXPECT_EQ(asked_of, 0);
   EXPECT_LT(checks, 10) << "it went on";
   options.is_late = [&] { return asked_of > all_asked_of / 2; };
-  const auto some = Suggest(frame, connections, components, options, &is_cut_short);
-  EXPECT_TRUE(is_cut_short);
+  const auto some = Suggest(frame, connections, components, options, &extent);
+  EXPECT_TRUE(extent.is_cut_short);
   EXPECT_LE(asked_of, all_asked_of / 2 + 1);
   EXPECT_LT(some.size(), all.size());
+  EXPECT_GT(extent.not_compared, 0);
+  // The sooner it ends, the more is left.
+  const std::int64_t left = extent.not_compared;
+  options.is_late = [&] { return asked_of > 0; };
+  asked_of = 0;
+  EXPECT_THAT(Suggest(frame, connections, components, options, &extent), IsEmpty());
+  EXPECT_GE(extent.not_compared, left);
 }
 
 std::vector<Eigen::Matrix3d> QuartersAboutTheVertical() {
