@@ -16,6 +16,9 @@ namespace mortise::parametric {
 namespace {
 
 constexpr std::size_t kMaxDescriptionLength = 1000;  // bytes
+constexpr const char* kNameRule =
+    "must be 1 to 63 lower-case letters, digits and underscores, beginning with a letter, and no "
+    "word of the expression language";
 
 // Nothing where nobody says, or it is no unit.
 std::optional<Dimension> DimensionOf(const std::string& unit) {
@@ -60,6 +63,14 @@ std::vector<NamedUnit> WithoutOwn(std::vector<NamedUnit> metrics,
   return metrics;
 }
 
+void CheckNoWords(const MetricDefinitions& definitions, const std::string& field,
+                  std::vector<FieldViolation>& findings) {
+  for (std::size_t i = 0; i < definitions.expressions.size(); ++i) {
+    if (!IsReserved(definitions.expressions[i].name)) continue;
+    findings.push_back({absl::StrCat(field, ".expressions[", i, "].name"), kNameRule});
+  }
+}
+
 }  // namespace
 
 MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
@@ -70,6 +81,9 @@ MetricExpressions::MetricExpressions(const MetricDefinitions& definitions,
                                      std::vector<FieldViolation>& findings) {
   const std::vector<NamedUnit> others = WithoutOwn(metrics, earlier.expressions);
   const Known known{parameters, others};
+  // Not of the earlier ones: the language has grown, and what is a word today was a name when the
+  // template was stored.
+  CheckNoWords(definitions, field, findings);
   Add(earlier, "the template's " + field, known, findings);
   Add(definitions, field, known, findings);
   if (!findings.empty()) return;
@@ -96,10 +110,8 @@ void MetricExpressions::Add(const MetricDefinitions& definitions, const std::str
     const MetricDefinition& metric = definitions.expressions[i];
     const std::string place = absl::StrCat(field, ".expressions[", i, "]");
     const auto is_taken = [&metric](const auto& other) { return other.name == metric.name; };
-    if (!IsMeasureName(metric.name) || IsReserved(metric.name)) {
-      findings.push_back({place + ".name",
-                          "must be 1 to 63 lower-case letters, digits and underscores, beginning "
-                          "with a letter, and no word of the expression language"});
+    if (!IsMeasureName(metric.name)) {
+      findings.push_back({place + ".name", kNameRule});
     } else if (std::any_of(known.parameters.begin(), known.parameters.end(), is_taken)) {
       findings.push_back({place + ".name", absl::StrCat("'", metric.name, "' is a parameter")});
     } else if (std::any_of(known.metrics.begin(), known.metrics.end(), is_taken) ||

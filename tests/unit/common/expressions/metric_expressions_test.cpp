@@ -45,6 +45,16 @@ MetricExpressions Parsed(const MetricDefinitions& definitions) {
   return expressions;
 }
 
+// What became a word of the language is refused, but not where a template has it already.
+TEST(MetricExpressionsTest, WordsAreNoNamesButInWhatIsStored) {
+  for (const std::string word : {"if", "and", "or", "not"}) {
+    const MetricDefinitions definitions{{{word, "kg", "mass"}, {"twice", "kg", "2 * " + word}}, {}};
+    EXPECT_THAT(FirstOf(FindingsOf(definitions)),
+                HasSubstr("own.expressions[0].name: must be 1 to 63 lower-case letters"));
+    EXPECT_THAT(FindingsOf({}, definitions), IsEmpty()) << word;
+  }
+}
+
 // Numbers for metrics and calls that depend on the parameters somehow.
 Dual Invented(std::size_t i, const Eigen::VectorXd& q) {
   const double c = 1.5 + static_cast<double>(i);
