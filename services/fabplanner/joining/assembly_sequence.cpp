@@ -111,6 +111,46 @@ std::string PegsText(const AssemblyStep& step, const Items& items) {
   return absl::StrJoin(texts, " and ");
 }
 
+// What hangs together by the step's connections, a text for each piece: the parts that the
+// connections are of. `before`: which parts hung together before the step.
+std::vector<std::string> PiecesOf(const Design& design,
+                                  const std::map<std::string, int>& part_index,
+                                  const AssemblyStep& step, Groups before) {
+  for (const StepConnection& connection : step.connections) {
+    before.Join(part_index.at(connection.part), part_index.at(connection.other_part));
+  }
+  std::vector<std::vector<std::string>> pieces;
+  std::map<int, std::size_t> piece_of;  // by group
+  std::set<std::string> told;
+  for (const StepConnection& connection : step.connections) {
+    for (const std::string& part : {connection.part, connection.other_part}) {
+      if (!told.insert(part).second) continue;
+      const auto [piece, is_new] =
+          piece_of.emplace(before.Find(part_index.at(part)), pieces.size());
+      if (is_new) pieces.emplace_back();
+      pieces[piece->second].push_back(part);
+    }
+  }
+  std::vector<std::string> texts;
+  for (const std::vector<std::string>& piece : pieces) {
+    texts.push_back(Titles(design, part_index, piece));
+  }
+  return texts;
+}
+
+// Alike pieces once, with how many there are: "2 × (Post and Rail)".
+std::vector<std::string> Folded(const std::vector<std::string>& pieces) {
+  std::map<std::string, int> counts;
+  std::vector<std::string> order;
+  for (const std::string& piece : pieces) {
+    if (++counts[piece] == 1) order.push_back(piece);
+  }
+  for (std::string& piece : order) {
+    if (counts[piece] > 1) piece = absl::StrCat(counts[piece], " × (", piece, ")");
+  }
+  return order;
+}
+
 // `before`: which parts hung together before the step.
 std::string Instruction(const Design& design, const Items& items,
                         const std::map<std::string, int>& part_index, const AssemblyStep& step,
@@ -134,6 +174,12 @@ std::string Instruction(const Design& design, const Items& items,
     }
   }
   absl::StrAppend(&text, absl::StrJoin(Counted(joints), ", "), ". ");
+  const std::vector<std::string> pieces = PiecesOf(design, part_index, step, before);
+  if (pieces.size() > 1) {
+    return absl::StrCat(text, "This makes ", pieces.size(),
+                        " separate pieces. Push together, each by itself: ",
+                        absl::StrJoin(Folded(pieces), "; "), ".");
+  }
   if (standing.empty()) return absl::StrCat(text, "Push the parts together.");
   if (standing.size() > 1) {
     return absl::StrCat(text, "This joins ", standing.size(),

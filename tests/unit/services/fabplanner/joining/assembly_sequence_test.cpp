@@ -22,6 +22,9 @@ TEST(AssemblySequenceTest, TableGoesTogetherInThreeSteps) {
   EXPECT_THAT((*steps)[0].added_parts,
               ElementsAre("leg_1", "leg_2", "leg_3", "leg_4", "apron_front", "apron_back"));
   EXPECT_EQ((*steps)[0].pegs, 8);
+  EXPECT_THAT((*steps)[0].instruction,
+              HasSubstr("This makes 2 separate pieces. Push together, each by itself: apron_front, "
+                        "leg_1 and leg_2; apron_back, leg_4 and leg_3."));
   EXPECT_THAT((*steps)[1].added_parts, ElementsAre("apron_left", "apron_right"));
   EXPECT_THAT((*steps)[1].instruction, HasSubstr("joins 2 sub-assemblies"));
   EXPECT_THAT((*steps)[2].added_parts, ElementsAre("top"));
@@ -89,6 +92,7 @@ TEST(AssemblySequenceTest, CountsCopiesThatAreJoinedAlike) {
   EXPECT_EQ((*steps)[0].pegs, 6);
   EXPECT_THAT((*steps)[0].instruction, HasSubstr("Take 2 × rail and 2 × leg. "));
   EXPECT_THAT((*steps)[0].instruction, HasSubstr("holes: 2 × 3 between rail and leg. "));
+  EXPECT_THAT((*steps)[0].instruction, HasSubstr("each by itself: 2 × (rail and leg)."));
   EXPECT_THAT((*steps)[1].instruction, HasSubstr("joins 2 sub-assemblies"));
   design.pegs.back().priority = 3;
   EXPECT_THAT(AssemblySteps(design, {}).status().message(), HasSubstr("differ in priority"));
