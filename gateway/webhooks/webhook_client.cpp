@@ -36,6 +36,9 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kMaximalAnswerBytes = 64 * 1024;
 
+constexpr std::size_t kMaximalAuthorityBytes = 64 * 1024;
+constexpr char kAuthorityField[] = "certificate_authority";
+
 constexpr char kNotAllowed[] = " is at an address that webhooks may not call";
 
 absl::Status Failed(const std::string& what) { return absl::UnavailableError(what); }
@@ -109,14 +112,32 @@ asio::awaitable<NameResolver::Addresses> Resolve(NameResolver& resolver, const s
 
 }  // namespace
 
-std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_view body) {
+std::string SignWebhook(const std::vector<std::string>& secrets, int64_t seconds,
+                        std::string_view body) {
   const std::string text = absl::StrCat(seconds, ".", absl::string_view(body.data(), body.size()));
-  unsigned char mac[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
-       reinterpret_cast<const unsigned char*>(text.data()), text.size(), mac, &size);
-  return absl::StrCat("t=", seconds,
-                      ",v1=", absl::BytesToHexString({reinterpret_cast<const char*>(mac), size}));
+  std::string signature = absl::StrCat("t=", seconds);
+  for (const std::string& secret : secrets) {
+    unsigned char mac[EVP_MAX_MD_SIZE];
+    unsigned int size = 0;
+    HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
+         reinterpret_cast<const unsigned char*>(text.data()), text.size(), mac, &size);
+    absl::StrAppend(&signature,
+                    ",v1=", absl::BytesToHexString({reinterpret_cast<const char*>(mac), size}));
+  }
+  return signature;
+}
+
+absl::Status CheckCertificateAuthority(std::string_view pem) {
+  if (pem.empty()) return absl::OkStatus();
+  if (pem.size() > kMaximalAuthorityBytes) {
+    return InvalidField(kAuthorityField, "has more than 64 KiB");
+  }
+  asio::ssl::context tls(asio::ssl::context::tls_client);
+  error_code error;
+  tls.add_certificate_authority(asio::buffer(pem.data(), pem.size()), error);
+  const bool found = pem.find("-----BEGIN CERTIFICATE-----") != std::string_view::npos;
+  if (!error && found) return absl::OkStatus();
+  return InvalidField(kAuthorityField, "has no certificates as PEM that can be read");
 }
 
 class WebhookClient::Transport {
@@ -148,8 +169,8 @@ class WebhookClient::Transport {
     return InvalidField("url", absl::StrCat(url.host, kNotAllowed));
   }
 
-  asio::awaitable<absl::Status> Post(const WebhookUrl& url, const HeaderList& headers,
-                                     const std::string& body) {
+  asio::awaitable<absl::Status> Post(const WebhookUrl& url, const std::string& authority,
+                                     const HeaderList& headers, const std::string& body) {
     const Deadlines deadlines(options_.timeout);
     const auto found = co_await Resolve(*resolver_, url.host);
     if (!found.ok()) {
@@ -159,7 +180,14 @@ class WebhookClient::Transport {
     const absl::Status connected = co_await Connect(stream, url, *found, deadlines);
     if (!connected.ok()) co_return connected;
     if (url.secure) {
-      co_return co_await PostSecurely(std::move(stream), url, headers, body, deadlines);
+      if (authority.empty()) {
+        co_return co_await PostSecurely(std::move(stream), tls_, url, headers, body, deadlines);
+      }
+      asio::ssl::context tls(asio::ssl::context::tls_client);
+      error_code error;
+      tls.add_certificate_authority(asio::buffer(authority), error);
+      if (error) co_return Failed("the webhook's authority cannot be read: " + error.message());
+      co_return co_await PostSecurely(std::move(stream), tls, url, headers, body, deadlines);
     }
     stream.expires_at(deadlines.For(options_.timeout));
     co_return co_await Exchange(stream, url, headers, body);
@@ -187,11 +215,11 @@ class WebhookClient::Transport {
     co_return Failed(absl::StrCat("cannot connect to ", url.host, ": ", error.message()));
   }
 
-  asio::awaitable<absl::Status> PostSecurely(beast::tcp_stream tcp_stream, const WebhookUrl& url,
-                                             const HeaderList& headers, const std::string& body,
-                                             const Deadlines& deadlines) {
+  asio::awaitable<absl::Status> PostSecurely(beast::tcp_stream tcp_stream, asio::ssl::context& tls,
+                                             const WebhookUrl& url, const HeaderList& headers,
+                                             const std::string& body, const Deadlines& deadlines) {
     error_code error;
-    beast::ssl_stream<beast::tcp_stream> stream(std::move(tcp_stream), tls_);
+    beast::ssl_stream<beast::tcp_stream> stream(std::move(tcp_stream), tls);
     stream.set_verify_mode(asio::ssl::verify_peer, error);
     stream.set_verify_callback(asio::ssl::host_name_verification(url.host), error);
     SSL_set_tlsext_host_name(stream.native_handle(), url.host.c_str());
@@ -225,9 +253,11 @@ absl::StatusOr<std::unique_ptr<WebhookClient>> WebhookClient::Create(
 
 absl::Status WebhookClient::CheckHost(const WebhookUrl& url) { return transport_->CheckHost(url); }
 
-asio::awaitable<absl::Status> WebhookClient::Post(const WebhookUrl& url, const HeaderList& headers,
+asio::awaitable<absl::Status> WebhookClient::Post(const WebhookUrl& url,
+                                                  const std::string& authority,
+                                                  const HeaderList& headers,
                                                   const std::string& body) {
-  return transport_->Post(url, headers, body);
+  return transport_->Post(url, authority, headers, body);
 }
 
 }  // namespace mortise::gateway

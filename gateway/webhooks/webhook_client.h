@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -16,8 +17,14 @@
 namespace mortise::gateway {
 
 // Returns the value of `Mortise-Signature`: "t=<seconds>,v1=<hex>", where hex is the HMAC-SHA256
-// with the secret over "<seconds>.<body>".
-std::string SignWebhook(std::string_view secret, int64_t seconds, std::string_view body);
+// with the secret over "<seconds>.<body>"; with several secrets, of which none is empty,
+// ",v1=<hex>" for each.
+std::string SignWebhook(const std::vector<std::string>& secrets, int64_t seconds,
+                        std::string_view body);
+
+// INVALID_ARGUMENT naming `certificate_authority`: no certificates as PEM, or more than 64 KiB. OK
+// if empty.
+absl::Status CheckCertificateAuthority(std::string_view pem);
 
 struct WebhookClientOptions {
   bool allow_loopback = false;
@@ -45,10 +52,11 @@ class WebhookClient {
 
   // Posts `body` and waits for the answer's status. OK for one of 200 to 299; UNAVAILABLE, with
   // what went wrong, for everything else. Redirects are not followed. The address checked is the
-  // one connected to, so a name that changes its address gains nothing. The arguments must outlive
-  // the call.
-  boost::asio::awaitable<absl::Status> Post(const WebhookUrl& url, const HeaderList& headers,
-                                            const std::string& body);
+  // one connected to, so a name that changes its address gains nothing. `authority` has the
+  // certificates, as PEM, of whom to trust in place of those whom the system trusts, if it is not
+  // empty. The arguments must outlive the call.
+  boost::asio::awaitable<absl::Status> Post(const WebhookUrl& url, const std::string& authority,
+                                            const HeaderList& headers, const std::string& body);
 
  private:
   class Transport;

@@ -15,6 +15,7 @@
 #include <boost/asio/strand.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <future>
 #include <map>
 #include <optional>
 #include <random>
@@ -38,6 +39,7 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr char kTestType[] = "webhook.test";
 constexpr int kBatch = 100;
 constexpr int kMaximalWebhooks = 10000;
 // Hub and store tell of what is new; this only covers a service that was away.
@@ -72,6 +74,18 @@ bool Wants(const v1::Webhook& webhook, const bus::Event& event) {
 bool WantsStream(const v1::Webhook& webhook, const std::string& stream) {
   return webhook.streams().empty() || std::find(webhook.streams().begin(), webhook.streams().end(),
                                                 stream) != webhook.streams().end();
+}
+
+// What deliveries are signed with: for a time also with the secret before the present one.
+std::vector<std::string> SecretsOf(const v1::Webhook& webhook, absl::Time now) {
+  std::vector<std::string> secrets = {webhook.secret()};
+  const absl::Time end =
+      absl::FromUnixMicros(google::protobuf::util::TimeUtil::TimestampToMicroseconds(
+          webhook.previous_secret_end_time()));
+  if (!webhook.previous_secret().empty() && now < end) {
+    secrets.push_back(webhook.previous_secret());
+  }
+  return secrets;
 }
 
 // What the store learns of a lane at once.
@@ -123,6 +137,29 @@ class Delivery final : public WebhookDelivery {
   }
 
   absl::Status CheckHost(const WebhookUrl& url) override { return client_->CheckHost(url); }
+
+  absl::Status Test(const v1::Webhook& webhook) override {
+    bus::Event event;
+    event.stream = "gateway";
+    event.number = 0;
+    event.type = kTestType;
+    event.subject = webhook.name();
+    event.time = options_.clock();
+    event.payload = "{}";
+    auto promise = std::make_shared<std::promise<absl::Status>>();
+    std::future<absl::Status> result = promise->get_future();
+    asio::co_spawn(
+        strand_, [this, webhook, event] { return Post(webhook, event); },
+        [promise](const std::exception_ptr& failure, absl::Status status) {
+          promise->set_value(failure ? absl::UnavailableError("the delivery failed") : status);
+        });
+    // The client gives up in its time; more than that is a gateway that stops.
+    if (result.wait_for(absl::ToChronoSeconds(2 * options_.client.timeout)) !=
+        std::future_status::ready) {
+      return absl::UnavailableError("the receiver did not answer in time");
+    }
+    return result.get();
+  }
 
  private:
   using SteadyTime = std::chrono::steady_clock::time_point;
@@ -216,6 +253,10 @@ class Delivery final : public WebhookDelivery {
       const auto load = [this, &lane] { return Load(lane->webhook); };
       const absl::StatusOr<v1::Webhook> webhook = co_await RunOn(pool_, load);
       if (absl::IsNotFound(webhook.status())) break;
+      if (webhook.ok() && !WantsStream(*webhook, lane->stream)) {
+        if (lane->woken) continue;  // it may want the stream again by now
+        break;
+      }
       const bool more = webhook.ok() && co_await DeliverNext(*lane, *webhook);
       if (!more && !lane->due && !lane->woken) {
         co_await SleepUntil(*lane, std::chrono::steady_clock::now() + kLookAgain);
@@ -308,8 +349,8 @@ class Delivery final : public WebhookDelivery {
         {"mortise-webhook", webhook.name()},
         {"mortise-event", event.type},
         {"mortise-delivery", absl::StrCat(event.stream, ":", event.number)},
-        {"mortise-signature", SignWebhook(webhook.secret(), seconds, *body)}};
-    co_return co_await client_->Post(*url, headers, *body);
+        {"mortise-signature", SignWebhook(SecretsOf(webhook, options_.clock()), seconds, *body)}};
+    co_return co_await client_->Post(*url, webhook.certificate_authority(), headers, *body);
   }
 
   absl::Duration Pause(int tries) {

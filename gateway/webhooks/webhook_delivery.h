@@ -18,6 +18,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "gateway/webhooks/webhook_client.h"
+#include "mortise/v1/gateway.pb.h"
 
 namespace mortise::store {
 class Store;
@@ -54,6 +55,11 @@ class WebhookDelivery {
   // This subscription was made, ended, or set back in `stream` (in all, if empty). Its pauses there
   // end; those of others do not.
   virtual void Refresh(const std::string& webhook, const std::string& stream = "") = 0;
+
+  // Posts an event of the type "webhook.test" to the webhook, once and at once, beside its
+  // deliveries, and waits for what comes of it: as WebhookClient::Post. Thread safe; not on threads
+  // of this.
+  virtual absl::Status Test(const v1::Webhook& webhook) = 0;
 
   // As WebhookClient::CheckHost.
   virtual absl::Status CheckHost(const WebhookUrl& url) = 0;

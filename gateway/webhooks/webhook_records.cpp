@@ -135,6 +135,13 @@ void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number) 
   cursor.set_number(number);
 }
 
+void RemoveCursor(v1::Webhook& webhook, const std::string& stream) {
+  auto& cursors = *webhook.mutable_cursors();
+  for (int i = cursors.size() - 1; i >= 0; --i) {
+    if (cursors[i].stream() == stream) cursors.DeleteSubrange(i, 1);
+  }
+}
+
 const v1::Webhook::Retry* RetryOf(const v1::Webhook& webhook, const std::string& stream) {
   for (const v1::Webhook::Retry& retry : webhook.retries()) {
     if (retry.stream() == stream) return &retry;

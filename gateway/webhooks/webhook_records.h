@@ -52,6 +52,7 @@ absl::Status ForgetDeadLetters(store::Transaction& transaction, const std::strin
 // Returns the cursor of a stream; 0 if there is none.
 int64_t CursorOf(const v1::Webhook& webhook, const std::string& stream);
 void SetCursor(v1::Webhook& webhook, const std::string& stream, int64_t number);
+void RemoveCursor(v1::Webhook& webhook, const std::string& stream);
 
 // Returns the event of a stream that waits for another try; null if none does.
 const v1::Webhook::Retry* RetryOf(const v1::Webhook& webhook, const std::string& stream);

@@ -329,6 +329,9 @@ inline constexpr Example kExamples[] = {
      "request_id: 'bad-15' name: 'webhooks/none' stream: 'catalog' after_number: 1",
      Outcome::kRefused},
     {"WebhookService/ListDeadLetters", "name: 'webhooks/none'", Outcome::kRefused},
+    {"WebhookService/TestWebhook", "name: 'webhooks/none'", Outcome::kRefused},
+    {"WebhookService/RotateWebhookSecret",
+     "request_id: 'bad-60' name: 'webhooks/none' overlap { seconds: 60 }", Outcome::kRefused},
     {"WebhookService/UpdateWebhook",
      "request_id: 'bad-25' webhook { name: 'webhooks/none' external_ids: '100-4711/A' } "
      "update_mask { paths: 'external_ids' }",

@@ -3,13 +3,9 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 
-#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
 #include <condition_variable>
-#include <deque>
 #include <future>
 #include <map>
 #include <mutex>
@@ -24,6 +20,7 @@
 #include "mortise/v1/gateway.grpc.pb.h"
 #include "tests/integration/gateway/events_fixture.h"
 #include "tests/integration/gateway/holding_receiver.h"
+#include "tests/integration/gateway/webhook_receiver.h"
 #include "tests/unit/gateway/webhooks/name_server.h"
 
 namespace mortise::gateway {
@@ -31,82 +28,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
-
-// Takes webhooks' posts and answers with what the test says.
-class Receiver {
- public:
-  struct Post {
-    std::map<std::string, std::string> headers;
-    std::string body;
-  };
-
-  Receiver() : acceptor_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {
-    thread_ = std::thread([this] { Serve(); });
-  }
-
-  ~Receiver() {
-    stopping_ = true;
-    boost::asio::io_context io;
-    boost::asio::ip::tcp::socket socket(io);
-    boost::system::error_code ignored;
-    socket.connect(acceptor_.local_endpoint(), ignored);
-    thread_.join();
-  }
-
-  std::string url() const {
-    return "http://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + "/hook?x=1";
-  }
-
-  void AnswerWith(int status) { status_ = status; }
-
-  // The next post; the test fails after ten seconds without one.
-  Post Next() {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, std::chrono::seconds(10), [this] { return !posts_.empty(); })) {
-      ADD_FAILURE() << "no post came";
-      return {};
-    }
-    Post post = std::move(posts_.front());
-    posts_.pop_front();
-    return post;
-  }
-
- private:
-  void Serve() {
-    namespace beast = boost::beast;
-    namespace http = boost::beast::http;
-    for (;;) {
-      boost::asio::ip::tcp::socket socket(io_);
-      boost::system::error_code error;
-      acceptor_.accept(socket, error);
-      if (stopping_) return;
-      beast::flat_buffer buffer;
-      http::request<http::string_body> request;
-      http::read(socket, buffer, request, error);
-      if (error) continue;
-      Post post;
-      for (const auto& field : request) {
-        post.headers[std::string(field.name_string())] = std::string(field.value());
-      }
-      post.body = request.body();
-      http::response<http::empty_body> response(static_cast<http::status>(status_.load()), 11);
-      response.prepare_payload();
-      http::write(socket, response, error);
-      std::lock_guard lock(mutex_);
-      posts_.push_back(std::move(post));
-      changed_.notify_all();
-    }
-  }
-
-  boost::asio::io_context io_;
-  boost::asio::ip::tcp::acceptor acceptor_;
-  std::atomic<int> status_{204};
-  std::atomic<bool> stopping_{false};
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Post> posts_;  // guarded by mutex_
-  std::thread thread_;
-};
 
 class WebhookTest : public EventsTest {
  protected:
@@ -188,7 +109,7 @@ class WebhookTest : public EventsTest {
   }
 
   const mortise::testing::ReservedPort gateway_port_;
-  Receiver receiver_;
+  WebhookReceiver receiver_;
 };
 
 TEST_F(WebhookTest, WhatIsDoneToOthersEndsNoPause) {
@@ -204,7 +125,7 @@ TEST_F(WebhookTest, WhatIsDoneToOthersEndsNoPause) {
   EXPECT_EQ(failed.retries(0).stream(), "catalog");
   EXPECT_EQ(failed.retries(0).number(), 1);
   EXPECT_EQ(failed.retries(0).tries(), 1);
-  Receiver healthy;
+  WebhookReceiver healthy;
   for (int i = 0; i < 12; ++i) {
     const v1::Webhook other = Create(healthy.url() + std::to_string(i), "item.");
     Replay(other.name(), 0, "replay-" + std::to_string(i));
@@ -360,11 +281,11 @@ TEST_F(WebhookTest, PostsSignedEventsInOrder) {
     Tell("design.created", "designs/x");
   }
   for (int i = 0; i < 5; ++i) {
-    const Receiver::Post post = receiver_.Next();
+    const WebhookReceiver::Post post = receiver_.Next();
     EXPECT_EQ(Json::parse(post.body)["subject"], "items/" + std::to_string(i));
     const std::string signature = post.headers.at("mortise-signature");
     const int64_t seconds = std::stoll(signature.substr(2));
-    EXPECT_EQ(signature, SignWebhook(webhook.secret(), seconds, post.body));
+    EXPECT_EQ(signature, SignWebhook({webhook.secret()}, seconds, post.body));
     EXPECT_EQ(post.headers.at("mortise-event"), "item.created");
     EXPECT_EQ("http://" + post.headers.at("Host") + "/hook?x=1", receiver_.url());
   }

@@ -164,9 +164,10 @@ class WebhookClientTest : public testing::Test {
     const WebhookUrl url = *ParseWebhookUrl(text);
     const HeaderList headers;
     const std::string body = "{}";
+    const std::string authority;
     boost::asio::io_context io;
-    std::future<absl::Status> posted =
-        boost::asio::co_spawn(io, client_->Post(url, headers, body), boost::asio::use_future);
+    std::future<absl::Status> posted = boost::asio::co_spawn(
+        io, client_->Post(url, authority, headers, body), boost::asio::use_future);
     io.run();
     return posted.get();
   }
@@ -356,7 +357,7 @@ TEST(NameResolver, NamesThatNobodyAnswersForDelayNoOther) {
 
 TEST(WebhookSignature, IsAnHmacOverTimeAndBody) {
   // echo -n '1800000000.{}' | openssl dgst -sha256 -hmac secret
-  EXPECT_EQ(SignWebhook("secret", 1800000000, "{}"),
+  EXPECT_EQ(SignWebhook({"secret"}, 1800000000, "{}"),
             "t=1800000000,v1=bb7079132825ac793cea8c013c1dd24d926b9b02132245b10588d9e5c0df70d7");
 }
 
