@@ -49,12 +49,33 @@ std::string Base64Unpadded(std::string_view bytes) {
   return text;
 }
 
+// What programs look for, where they need not know the types of details.
+void PutInWords(const Json& detail, Json& object) {
+  if (const auto reason = detail.find("reason"); reason != detail.end()) {
+    object["reason"] = *reason;
+  }
+  const auto violations = detail.find("fieldViolations");
+  if (violations == detail.end() || !violations->is_array()) return;
+  for (const Json& violation : *violations) {
+    object["fields"].push_back(
+        {{"field", violation.value("field", "")}, {"message", violation.value("description", "")}});
+  }
+}
+
 Json ErrorObject(const ConnectError& error) {
   Json object;
   object["code"] = RowOf(error.code).name;
   if (!error.message.empty()) object["message"] = error.message;
+  std::vector<Json> readable;
   for (const ErrorDetailBytes& detail : error.details) {
-    object["details"].push_back({{"type", detail.type}, {"value", Base64Unpadded(detail.value)}});
+    readable.push_back(Json::parse(detail.json, nullptr, false));
+    if (readable.back().is_object()) PutInWords(readable.back(), object);
+  }
+  for (std::size_t i = 0; i < error.details.size(); ++i) {
+    const ErrorDetailBytes& detail = error.details[i];
+    Json entry = {{"type", detail.type}, {"value", Base64Unpadded(detail.value)}};
+    if (readable[i].is_object()) entry["debug"] = std::move(readable[i]);
+    object["details"].push_back(std::move(entry));
   }
   return object;
 }

@@ -41,10 +41,12 @@ int HttpStatusOf(absl::StatusCode code);
 // `Connect-Timeout-Ms`: 1 to 10 digits. INVALID_ARGUMENT otherwise.
 absl::StatusOr<absl::Duration> ParseTimeout(std::string_view text);
 
-// One detail of an error: the full name of its message type and the message, serialised.
+// One detail of an error: the full name of its message type, the message, serialised, and the same
+// as JSON; empty where its type is not known.
 struct ErrorDetailBytes {
   std::string type;
   std::string value;
+  std::string json = {};
 };
 
 // A failure as Connect clients see it.
@@ -54,7 +56,13 @@ struct ConnectError {
   std::vector<ErrorDetailBytes> details;
 };
 
-// {"code":"not_found","message":"…","details":[{"type":"…","value":"<base64, unpadded>"}]}
+// {"code":"invalid_argument","message":"…",
+//  "reason":"FIELD_INVALID","fields":[{"field":"url","message":"…"}],
+//  "details":[{"type":"…","value":"<base64, unpadded>","debug":{…}}]}
+//
+// `reason` and `fields` say without protobuf what is in the details of google.rpc.ErrorInfo and
+// BadRequest; `debug` is each detail as JSON, as the protocol has it. All of them are left out
+// where there is nothing to say.
 std::string ErrorJson(const ConnectError& error);
 
 // Returns the last message of a stream, without its envelope: {} or {"error":…,"metadata":{…}}.

@@ -14,6 +14,10 @@ constexpr char kErrorSchema[] = R"({
   "properties": {
     "code": {"type": "string", "description": "The gRPC code in lower case, such as not_found."},
     "message": {"type": "string", "description": "What a person can do about it."},
+    "reason": {"type": "string", "description": "Which failure it is, in capitals; stable across releases."},
+    "fields": {"type": "array", "description": "What is wrong with the request.", "items": {"type": "object", "properties": {
+      "field": {"type": "string", "description": "Path of the field, such as parameters[1].value."},
+      "message": {"type": "string", "description": "What is wrong with it."}}}},
     "details": {"type": "array", "items": {"type": "object", "properties": {
       "type": {"type": "string", "description": "Message type, such as google.rpc.ErrorInfo."},
       "value": {"type": "string", "contentEncoding": "base64", "description": "The message."},

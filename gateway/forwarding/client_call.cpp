@@ -1,5 +1,8 @@
 #include "gateway/forwarding/client_call.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/generic/generic_stub.h>
 
@@ -18,6 +21,7 @@ namespace mortise::gateway {
 namespace {
 
 namespace asio = boost::asio;
+namespace pb = google::protobuf;
 
 HeaderList Unreserved(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
   HeaderList headers;
@@ -72,6 +76,19 @@ class Signal {
   std::optional<bool> value_;          // guarded by mutex_
   std::function<void(bool)> waiting_;  // guarded by mutex_
 };
+
+// Empty for a type that this program does not know, and for a message that is none of its type.
+std::string DetailAsJson(const std::string& type, const std::string& bytes) {
+  const auto* descriptor = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(type);
+  if (descriptor == nullptr) return {};
+  const pb::Message* prototype = pb::MessageFactory::generated_factory()->GetPrototype(descriptor);
+  if (prototype == nullptr) return {};
+  const std::unique_ptr<pb::Message> message(prototype->New());
+  std::string json;
+  if (!message->ParseFromString(bytes)) return {};
+  if (!pb::util::MessageToJsonString(*message, &json).ok()) return {};
+  return json;
+}
 
 void Prepare(grpc::ClientContext& context, const CallHead& head) {
   for (const auto& [key, value] : head.metadata) context.AddMetadata(key, value);
@@ -222,7 +239,8 @@ std::optional<ConnectError> ToConnectError(const grpc::Status& status) {
   if (details.ParseFromString(status.error_details())) {
     for (const auto& detail : details.details()) {
       const std::string& url = detail.type_url();
-      error.details.push_back({url.substr(url.rfind('/') + 1), detail.value()});
+      const std::string type = url.substr(url.rfind('/') + 1);
+      error.details.push_back({type, detail.value(), DetailAsJson(type, detail.value())});
     }
   }
   return error;

@@ -124,7 +124,10 @@ TEST_F(HttpDoorTest, NamesEveryFieldOfBadInput) {
 }
 
 TEST_F(HttpDoorTest, TellsFailuresOfServices) {
-  ExpectError(Post(kGetItem, R"({"name":"items/missing"})"), 404, "not_found", "items/missing");
+  const HttpAnswer missing = Post(kGetItem, R"({"name":"items/missing"})");
+  ExpectError(missing, 404, "not_found", "items/missing");
+  EXPECT_EQ(Json::parse(missing.body)["reason"], "RESOURCE_NOT_FOUND");
+  EXPECT_EQ(Json::parse(missing.body)["details"][0]["debug"]["reason"], "RESOURCE_NOT_FOUND");
   ExpectError(Post("/mortise.v1.ParetoService/GetFront", "{}"), 503, "unavailable", "pareto");
   ExpectError(Post("/mortise.v1.OperationService/GetOperation", R"({"name":"operations/x/1"})"),
               404, "not_found");
