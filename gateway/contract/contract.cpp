@@ -12,6 +12,8 @@
 namespace mortise::gateway {
 namespace {
 
+constexpr char kPieceOfFile[] = "mortise.v1.Chunk";
+
 namespace pb = google::protobuf;
 
 // The service that answers the methods of a file is the one the file is named after, with these
@@ -46,6 +48,16 @@ CallKind KindOf(const pb::MethodDescriptor& method, const v1::Access& access) {
 }
 
 }  // namespace
+
+bool GivesFile(const MethodRoute& method) {
+  return method.server_streaming && !method.client_streaming && !method.mutates &&
+         method.descriptor->output_type()->full_name() == kPieceOfFile;
+}
+
+bool TakesFile(const MethodRoute& method) {
+  return method.client_streaming && !method.server_streaming &&
+         method.descriptor->input_type()->full_name() == kPieceOfFile;
+}
 
 Contract::Contract()
     : pool_(std::make_unique<pb::DescriptorPool>()),

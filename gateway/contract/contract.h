@@ -51,6 +51,13 @@ struct MethodRoute {
   std::size_t index = 0;  // its place in Contract::methods()
 };
 
+// Whether a method gives one file: a stream of mortise.v1.Chunk, of one request that changes
+// nothing.
+bool GivesFile(const MethodRoute& method);
+
+// Whether a method takes one file: a stream of mortise.v1.Chunk, answered once.
+bool TakesFile(const MethodRoute& method);
+
 class Contract {
  public:
   // Reads the descriptors that were built in. They are part of the program, so this cannot fail.

@@ -91,6 +91,76 @@ OrderedJson Operation(const MethodRoute& method, SchemaCollection& schemas) {
   return operation;
 }
 
+OrderedJson QueryParameter(const std::string& name, const std::string& type,
+                           const std::string& description) {
+  return {
+      {"name", name}, {"in", "query"}, {"schema", {{"type", type}}}, {"description", description}};
+}
+
+// The fields of a request as parameters of a URL: those that are one value by name, and all else by
+// its path, or in the whole.
+OrderedJson QueryParameters(const pb::Descriptor& request) {
+  OrderedJson parameters = OrderedJson::array();
+  for (int i = 0; i < request.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *request.field(i);
+    if (field.is_repeated() || field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) continue;
+    const bool truth = field.cpp_type() == pb::FieldDescriptor::CPPTYPE_BOOL;
+    parameters.push_back(
+        QueryParameter(field.json_name(), truth ? "boolean" : "string", CommentOf(field)));
+  }
+  parameters.push_back(QueryParameter("message", "string",
+                                      "Instead of all others, the whole request as JSON. Without "
+                                      "it, parts of lists and messages are "
+                                      "parameters by their path, such as parameters[0].name."));
+  for (const char* header : {"Range", "If-Range", "If-None-Match"}) {
+    parameters.push_back({{"name", header}, {"in", "header"}, {"schema", {{"type", "string"}}}});
+  }
+  return parameters;
+}
+
+OrderedJson AnyBytes(const char* description) {
+  return {
+      {"description", description},
+      {"content",
+       {{"application/octet-stream", {{"schema", {{"type", "string"}, {"format", "binary"}}}}}}}};
+}
+
+// The same method by GET.
+OrderedJson FileOperation(const MethodRoute& method, const OrderedJson& call) {
+  OrderedJson operation = call;
+  operation["operationId"] = "get." + call["operationId"].get<std::string>();
+  operation["parameters"] = QueryParameters(*method.descriptor->input_type());
+  operation.erase("requestBody");
+  operation.erase("x-mortise-server-streaming");
+  operation["responses"] = {
+      {"200", AnyBytes("The file, named, typed and with its SHA-256 as ETag.")},
+      {"206", AnyBytes("A range of it.")},
+      {"304", {{"description", "It is the one that If-None-Match names."}}},
+      {"416", {{"$ref", "#/components/responses/error"}}},
+      {"default", {{"$ref", "#/components/responses/error"}}}};
+  return operation;
+}
+
+// The same method by PUT.
+OrderedJson UploadOperation(const MethodRoute& method, const OrderedJson& call,
+                            SchemaCollection& schemas) {
+  OrderedJson operation = call;
+  operation["operationId"] = "put." + call["operationId"].get<std::string>();
+  operation["parameters"] = {{{"name", "Content-Digest"},
+                              {"in", "header"},
+                              {"description", "sha-256=:BASE64: has what comes checked."},
+                              {"schema", {{"type", "string"}}}}};
+  operation.erase("x-mortise-client-streaming");
+  operation["requestBody"] = AnyBytes("The file as it is, with its length.");
+  operation["requestBody"]["required"] = true;
+  const OrderedJson answer = schemas.Refer(*method.descriptor->output_type());
+  operation["responses"] = {
+      {"200",
+       {{"description", "The answer."}, {"content", {{"application/json", {{"schema", answer}}}}}}},
+      {"default", {{"$ref", "#/components/responses/error"}}}};
+  return operation;
+}
+
 OrderedJson PlainPath(const char* id, const char* summary, const char* media_type) {
   return {{"get",
            {{"operationId", id},
@@ -138,7 +208,9 @@ std::string OpenApiDocument(const Contract& contract, std::string_view version) 
       {"version", version},
       {"description",
        "Computational design for manufacturing. Every method is a POST of JSON in the Connect "
-       "protocol; the same methods are served as gRPC on the other port."}};
+       "protocol; methods that give a file answer GET, those that take one PUT. The same methods "
+       "are "
+       "served as gRPC on the other port."}};
   document["servers"] = {{{"url", "/"}}};
   document["security"] = {{{"bearer", OrderedJson::array()}}};
   document["tags"] = OrderedJson::array();
@@ -151,7 +223,10 @@ std::string OpenApiDocument(const Contract& contract, std::string_view version) 
           {{"name", service->full_name()}, {"description", CommentOf(*service)}});
       tagged = service;
     }
-    paths[method.path]["post"] = Operation(method, schemas);
+    OrderedJson& path = paths[method.path];
+    path["post"] = Operation(method, schemas);
+    if (GivesFile(method)) path["get"] = FileOperation(method, path["post"]);
+    if (TakesFile(method)) path["put"] = UploadOperation(method, path["post"], schemas);
   }
   document["tags"].push_back({{"name", "HTTP"}, {"description", "What exists only over HTTP."}});
   paths["/events"]["get"] = OrderedJson::parse(kEventsPath);

@@ -212,6 +212,70 @@ class StreamingCall final : public ClientCall,
   Signal ended_;
 };
 
+class StreamedUpload final : public UploadCall,
+                             public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  void Begin(std::shared_ptr<StreamedUpload> self, GenericStub& stub, const CallHead& head) {
+    self_ = std::move(self);
+    Prepare(context_, head);
+    stub.PrepareBidiStreamingCall(&context_, head.path, {}, this);
+    AddHold();            // Writes begin outside of gRPC's callbacks.
+    StartRead(&answer_);  // From the beginning, as of UnaryCall.
+    StartCall();
+  }
+
+  asio::awaitable<bool> Write(std::string_view message) override {
+    message_ = ToByteBuffer(message);
+    StartWrite(&message_);
+    refused_ = !co_await written_.Wait();
+    message_.Clear();
+    co_return !refused_;
+  }
+
+  asio::awaitable<std::optional<std::string>> Finish() override {
+    if (!refused_) StartWritesDone();
+    ReleaseHold();
+    co_await ended_.Wait();
+    if (!status_.ok() || !answered_) co_return std::nullopt;
+    co_return ToString(answer_);
+  }
+
+  const grpc::Status& status() const override { return status_; }
+  void Cancel() override { context_.TryCancel(); }
+
+  void OnReadDone(bool ok) override { answered_ = ok; }
+  void OnWriteDone(bool ok) override { written_.Give(ok); }
+
+  void OnDone(const grpc::Status& status) override {
+    status_ = status;
+    // The last reference may be this one.
+    const std::shared_ptr<StreamedUpload> self = std::move(self_);
+    ended_.Give(true);
+  }
+
+  // The coroutine went away, maybe before it had finished.
+  void Abandon() {
+    context_.TryCancel();
+    ReleaseHold();
+  }
+
+ private:
+  void ReleaseHold() {
+    if (!released_.exchange(true)) RemoveHold();
+  }
+
+  std::shared_ptr<StreamedUpload> self_;  // until OnDone
+  grpc::ClientContext context_;
+  grpc::ByteBuffer message_;
+  grpc::ByteBuffer answer_;
+  bool answered_ = false;  // until OnDone of gRPC's threads alone
+  bool refused_ = false;
+  grpc::Status status_;
+  std::atomic<bool> released_{false};
+  Signal written_;
+  Signal ended_;
+};
+
 }  // namespace
 
 // The handles below end with what awaits them, not with the call: one dropped early abandons it.
@@ -228,6 +292,12 @@ std::shared_ptr<ClientCall> ClientCall::StartStreaming(GenericStub& stub, const 
   auto call = std::make_shared<StreamingCall>();
   call->Begin(call, stub, head, requests);
   return std::shared_ptr<ClientCall>(call.get(), [call](ClientCall*) { call->Abandon(); });
+}
+
+std::shared_ptr<UploadCall> UploadCall::Start(GenericStub& stub, const CallHead& head) {
+  auto call = std::make_shared<StreamedUpload>();
+  call->Begin(call, stub, head);
+  return std::shared_ptr<UploadCall>(call.get(), [call](UploadCall*) { call->Abandon(); });
 }
 
 std::optional<ConnectError> ToConnectError(const grpc::Status& status) {

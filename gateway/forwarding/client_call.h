@@ -56,6 +56,27 @@ class ClientCall {
   virtual void Cancel() = 0;
 };
 
+// One call of a method that takes a stream and gives one answer, whose requests come by and by.
+// Used by one coroutine, apart from Cancel. Dropping the handle cancels what is left of the call.
+class UploadCall {
+ public:
+  static std::shared_ptr<UploadCall> Start(GenericStub& stub, const CallHead& head);
+  virtual ~UploadCall() = default;
+
+  // Sends a message, and waits until there is room for the next one. False if the call is over,
+  // which Finish then tells more of.
+  virtual boost::asio::awaitable<bool> Write(std::string_view message) = 0;
+
+  // Says that there are no more messages. Returns the answer; nothing if the call failed. Once.
+  virtual boost::asio::awaitable<std::optional<std::string>> Finish() = 0;
+
+  // Returns how the call ended. After Finish.
+  virtual const grpc::Status& status() const = 0;
+
+  // From any thread: a pending and every later Write and Finish ends.
+  virtual void Cancel() = 0;
+};
+
 // Returns a failure of a call as Connect clients see it; nothing if it is OK.
 std::optional<ConnectError> ToConnectError(const grpc::Status& status);
 

@@ -7,17 +7,17 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "gateway/http/compression.h"
 #include "gateway/http/connection_token_end.h"
+#include "gateway/http/request_body.h"
 
 namespace mortise::gateway {
 namespace {
 
 namespace asio = boost::asio;
 
-constexpr int kRequestTimeout = 408;
 constexpr int kUnsupportedMediaType = 415;
 constexpr int kVersionNotSupported = 505;
-constexpr char kBodyTooSlow[] = "BODY_TOO_SLOW";
 
 // A call as its HTTP request describes it.
 struct ConnectCall {
@@ -35,11 +35,9 @@ absl::Status CheckHeaders(const HttpRequest& request) {
   if (!version.empty() && version != "1") {
     return InvalidField("connect-protocol-version", "only version 1 is spoken here");
   }
-  for (const char* name : {"content-encoding", "connect-content-encoding"}) {
-    const std::string_view encoding = HeaderOf(request, name);
-    if (!encoding.empty() && encoding != "identity") return NotBuilt("compression of requests");
-  }
-  return absl::OkStatus();
+  const std::string_view encoding = HeaderOf(request, "connect-content-encoding");
+  if (encoding.empty() || encoding == "identity") return absl::OkStatus();
+  return NotBuilt("compression of messages in envelopes");
 }
 
 // The messages of the body, each as a serialised message of the method's request type.
@@ -88,26 +86,6 @@ absl::StatusOr<std::shared_ptr<const Caller>> ReadCallHead(const HttpContext& co
   return caller;
 }
 
-// Why a body could not be read; OK for a client that is gone, too, whom nobody can tell.
-absl::Status BodyFailure(HttpReadResult result) {
-  switch (result) {
-    case HttpReadResult::kTooLarge:
-      return TooLarge("the request's body",
-                      absl::StrCat(kMaximalBodyBytes,
-                                   " bytes, which hold all messages of a stream, too, and bytes "
-                                   "as base64; what is larger needs gRPC"));
-    case HttpReadResult::kMalformed:
-      return InvalidField("request", "has a body that is not as its headers say");
-    case HttpReadResult::kTooSlow:
-      return WithDetail(absl::DeadlineExceededError("the request's body came too slowly"),
-                        {kBodyTooSlow, ""});
-    case HttpReadResult::kNoRoom:
-      return TooManyAtATime("large bodies");
-    default:
-      return absl::OkStatus();
-  }
-}
-
 absl::StatusOr<std::string> WriteMessage(const HttpContext& context, const MethodRoute& method,
                                          const ConnectCodec& codec, std::string message) {
   if (!codec.json) return message;
@@ -115,7 +93,9 @@ absl::StatusOr<std::string> WriteMessage(const HttpContext& context, const Metho
 }
 
 asio::awaitable<bool> AnswerUnary(HttpConnection& connection, const HttpContext& context,
-                                  const MethodRoute& method, ConnectCall call, bool keep_alive) {
+                                  const MethodRoute& method, const HttpRequest& request,
+                                  ConnectCall call) {
+  const bool keep_alive = request.keep_alive();
   const auto running = ClientCall::StartUnary(*context.stub, call.head, call.requests.front());
   connection.WatchForLeaving([running] { running->Cancel(); });
   std::optional<std::string> message = co_await running->Read();
@@ -136,7 +116,8 @@ asio::awaitable<bool> AnswerUnary(HttpConnection& connection, const HttpContext&
   }
   if (error) co_return co_await WriteError(connection, *error, std::move(headers), keep_alive);
   headers.emplace_back("content-type", ContentTypeOf(call.codec));
-  co_return co_await connection.Write(200, headers, std::move(body), keep_alive);
+  co_return co_await WriteCompressed(connection, request, 200, std::move(headers), std::move(body),
+                                     keep_alive);
 }
 
 asio::awaitable<bool> EndStream(HttpConnection& connection,
@@ -181,26 +162,16 @@ asio::awaitable<bool> AnswerStream(HttpConnection& connection, const HttpContext
 
 // What a call takes of what there is for all.
 struct Places {
-  std::unique_ptr<Budget::Share> body;
+  RequestBody body;
   std::unique_ptr<Budget::Share> answer;
 };
 
-// Room for a body that is not small. Null if there is none.
-std::unique_ptr<Budget::Share> TakeBodyRoom(const HttpContext& context, const std::string& subject,
-                                            uint64_t bytes) {
-  return context.bodies->Take(subject, static_cast<int64_t>(bytes));
-}
-
-// `body_bytes`: nothing if that is not known; then room is taken once it is not small.
-absl::StatusOr<Places> TakePlaces(const HttpContext& context, const MethodRoute& method,
-                                  const std::string& subject, std::optional<uint64_t> body_bytes) {
-  Places places;
-  const uint64_t bytes = body_bytes.value_or(0);
-  if (bytes > kMaximalBodyBytes) return BodyFailure(HttpReadResult::kTooLarge);
-  if (bytes > kSmallBodyBytes) {
-    places.body = TakeBodyRoom(context, subject, bytes);
-    if (places.body == nullptr) return TooManyAtATime("large bodies");
-  }
+absl::StatusOr<Places> TakePlaces(const HttpConnection& connection, const HttpContext& context,
+                                  const MethodRoute& method, const HttpRequest& request,
+                                  const std::string& subject) {
+  MORTISE_ASSIGN_OR_RETURN(RequestBody body,
+                           RequestBody::Expect(connection, context, request, subject));
+  Places places{std::move(body), nullptr};
   if (method.kind == CallKind::kStream || method.kind == CallKind::kWait) {
     places.answer = context.answers->Take(subject, 1);
     if (places.answer == nullptr) return TooManyAtATime("streams and waiting calls over HTTP");
@@ -211,9 +182,6 @@ absl::StatusOr<Places> TakePlaces(const HttpContext& context, const MethodRoute&
 // Failures before the call began, in the form that the client's protocol expects.
 asio::awaitable<bool> Refuse(HttpConnection& connection, const ConnectCodec& codec,
                              const absl::Status& status, bool keep_alive) {
-  if (DetailOf(status).reason == kBodyTooSlow) {
-    co_return co_await WriteErrorAs(kRequestTimeout, connection, ToConnectError(status), {}, false);
-  }
   if (!codec.streaming) {
     co_return co_await WriteError(connection, ToConnectError(status), {}, keep_alive);
   }
@@ -242,19 +210,25 @@ asio::awaitable<bool> RefuseBothWays(HttpConnection& connection, const MethodRou
 }
 
 // Whether the body came. Where it did not, a client that is still there has been told why.
-asio::awaitable<bool> ReceiveBody(HttpConnection& connection, const HttpContext& context,
-                                  const ConnectCodec& codec, const std::string& subject,
-                                  Places& places, HttpRequest& request) {
-  const HttpConnection::HasRoom has_room = [&](std::size_t received) {
-    if (received <= kSmallBodyBytes || places.body != nullptr) return true;
-    places.body = TakeBodyRoom(context, subject, kMaximalBodyBytes);
-    return places.body != nullptr;
-  };
-  const HttpReadResult read = co_await connection.ReadBody(request, has_room);
+asio::awaitable<bool> ReceiveBody(HttpConnection& connection, const ConnectCodec& codec,
+                                  RequestBody& body, HttpRequest& request) {
+  const HttpReadResult read = co_await body.Read(connection, request);
   if (read == HttpReadResult::kRead) co_return true;
-  const absl::Status failure = BodyFailure(read);
-  if (!failure.ok()) co_await Refuse(connection, codec, failure, false);
+  if (read == HttpReadResult::kTooSlow) {
+    co_await WriteBodyFailure(connection, read);
+  } else if (const absl::Status failure = BodyFailure(read); !failure.ok()) {
+    co_await Refuse(connection, codec, failure, false);
+  }
   co_return false;
+}
+
+// The serialised messages of a body that has come.
+absl::StatusOr<std::vector<std::string>> ReadRequests(const HttpContext& context,
+                                                      const MethodRoute& method,
+                                                      const ConnectCodec& codec, RequestBody& body,
+                                                      HttpRequest& request) {
+  MORTISE_ASSIGN_OR_RETURN(const std::string bytes, body.Take(request));
+  return ReadMessages(context, method, codec, bytes);
 }
 
 }  // namespace
@@ -278,15 +252,12 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
     co_return co_await Refuse(connection, *codec, caller.status(), keep_alive) && keep_alive;
   }
   const std::string& subject = (*caller)->subject;
-  auto places = TakePlaces(context, method, subject, connection.BodyBytes());
+  auto places = TakePlaces(connection, context, method, request, subject);
   if (!places.ok()) {
     co_return co_await Refuse(connection, *codec, places.status(), keep_alive) && keep_alive;
   }
-  if (!co_await ReceiveBody(connection, context, *codec, subject, *places, request)) {
-    co_return false;
-  }
-  auto requests = ReadMessages(context, method, *codec, request.body());
-  request.body() = std::string();
+  if (!co_await ReceiveBody(connection, *codec, places->body, request)) co_return false;
+  auto requests = ReadRequests(context, method, *codec, places->body, request);
   if (!requests.ok()) {
     co_return co_await Refuse(connection, *codec, requests.status(), keep_alive) && keep_alive;
   }
@@ -296,7 +267,7 @@ asio::awaitable<bool> HandleConnect(HttpConnection& connection, const HttpContex
     open =
         co_await AnswerStream(connection, context, method, **caller, std::move(call), keep_alive);
   } else {
-    open = co_await AnswerUnary(connection, context, method, std::move(call), keep_alive);
+    open = co_await AnswerUnary(connection, context, method, request, std::move(call));
   }
   co_return open&& keep_alive;
 }

@@ -29,6 +29,7 @@ constexpr std::chrono::seconds kDiscardTime(5);
 constexpr std::size_t kMaximalDiscardedBytes = 64 << 20;
 constexpr std::size_t kMaximalHeaderBytes = 64 * 1024;
 constexpr std::size_t kFirstBytes = 4096;
+constexpr std::size_t kPartBytes = 64 * 1024;  // that a client takes within kWriteTime
 // A body that was not wanted is taken nevertheless if it is no larger, which costs less than a new
 // connection.
 constexpr uint64_t kDroppedBytes = 64 * 1024;
@@ -70,6 +71,9 @@ class Connection final : public HttpConnection,
   asio::awaitable<HttpReadResult> ReadHead(HttpRequest& request) override {
     request_id_ = NewIdentifier();
     lost_ = false;
+    pieces_.reset();
+    received_ = 0;
+    waited_ = {};
     parser_.emplace();
     // How long a body may be is asked when it is wanted.
     parser_->body_limit(std::numeric_limits<uint64_t>::max());
@@ -97,13 +101,7 @@ class Connection final : public HttpConnection,
     lost_ = true;  // unless it comes to its end
     if (BodyBytes().value_or(0) > kMaximalBodyBytes) co_return HttpReadResult::kTooLarge;
     parser_->body_limit(kMaximalBodyBytes);
-    error_code error;
-    if (AwaitsLeave()) {
-      http::response<http::empty_body> go_on(http::status::continue_, parser_->get().version());
-      Lowest().expires_after(kWriteTime);
-      co_await http::async_write(stream_, go_on, asio::redirect_error(asio::use_awaitable, error));
-    }
-    Lowest().expires_never();
+    error_code error = co_await Invite();
     const auto limit = std::make_shared<Limit>(stream_.get_executor());
     const auto begin = std::chrono::steady_clock::now() + patience_.body;
     std::size_t received = 0;
@@ -125,8 +123,41 @@ class Connection final : public HttpConnection,
     co_return HttpReadResult::kRead;
   }
 
+  asio::awaitable<HttpReadResult> ReadPiece(std::string& piece, std::size_t most) override {
+    piece.clear();
+    if (BodyIsOver()) co_return HttpReadResult::kRead;
+    error_code error;
+    if (!pieces_) {
+      lost_ = true;  // until it comes to its end
+      error = co_await Invite();
+      // Beast begins a body of another kind only with a parser of its own.
+      pieces_.emplace(std::move(*parser_));
+    }
+    piece.resize(most);
+    http::buffer_body::value_type& body = pieces_->get().body();
+    body.data = piece.data();
+    body.size = most;
+    const auto limit = std::make_shared<Limit>(stream_.get_executor());
+    while (!error && body.size > 0 && !pieces_->is_done()) {
+      const auto begin = std::chrono::steady_clock::now();
+      const std::chrono::microseconds earned(received_ * 1000000 / patience_.least_rate);
+      Arm(limit, begin + patience_.body + earned - waited_);
+      received_ += co_await http::async_read_some(stream_, buffer_, *pieces_,
+                                                  asio::redirect_error(asio::use_awaitable, error));
+      waited_ += std::chrono::steady_clock::now() - begin;
+      if (error == http::error::need_buffer) error = {};
+    }
+    limit->over = true;
+    limit->timer.cancel();
+    piece.resize(most - body.size);
+    if (limit->passed) co_return HttpReadResult::kTooSlow;
+    if (error) co_return ResultOf(error);
+    if (pieces_->is_done()) lost_ = false;
+    co_return HttpReadResult::kRead;
+  }
+
   asio::awaitable<bool> DropBody() override {
-    if (parser_->is_done()) co_return true;
+    if (BodyIsOver()) co_return true;
     if (lost_ || !MayDropBody()) co_return false;
     HttpRequest dropped;
     const HasRoom always = [](std::size_t) { return true; };
@@ -140,7 +171,8 @@ class Connection final : public HttpConnection,
     response.body() = std::move(body);
     response.prepare_payload();
     // Beast tells a length of 0, which such an answer must not have (RFC 9110, 8.6).
-    if (response.result() == http::status::no_content) {
+    if (response.result() == http::status::no_content ||
+        response.result() == http::status::not_modified) {
       response.erase(http::field::content_length);
     }
     error_code error;
@@ -156,17 +188,33 @@ class Connection final : public HttpConnection,
     co_return !error;
   }
 
+  asio::awaitable<bool> BeginBytes(int status, const HeaderList& headers, int64_t bytes,
+                                   bool keep_alive) override {
+    http::response<http::empty_body> response;
+    FillHead(response, status, headers, keep_alive);
+    response.content_length(static_cast<uint64_t>(bytes));
+    co_return co_await WriteHead(response);
+  }
+
+  asio::awaitable<bool> WriteBytes(std::string_view bytes) override {
+    error_code error;
+    while (!error && !bytes.empty()) {
+      const std::string_view part = bytes.substr(0, kPartBytes);
+      bytes.remove_prefix(part.size());
+      Lowest().expires_after(kWriteTime);
+      co_await asio::async_write(stream_, asio::buffer(part.data(), part.size()),
+                                 asio::redirect_error(asio::use_awaitable, error));
+    }
+    Lowest().expires_never();
+    co_return !error;
+  }
+
   asio::awaitable<bool> BeginChunks(int status, const HeaderList& headers,
                                     bool keep_alive) override {
     http::response<http::empty_body> response;
     FillHead(response, status, headers, keep_alive);
     response.chunked(true);
-    http::response_serializer<http::empty_body> serializer(response);
-    error_code error;
-    Lowest().expires_after(kWriteTime);
-    co_await http::async_write_header(stream_, serializer,
-                                      asio::redirect_error(asio::use_awaitable, error));
-    co_return !error;
+    co_return co_await WriteHead(response);
   }
 
   asio::awaitable<bool> WriteChunk(std::string_view bytes) override {
@@ -219,6 +267,27 @@ class Connection final : public HttpConnection,
   }
 
  private:
+  // Tells a client that waits for it to send its body.
+  asio::awaitable<error_code> Invite() {
+    error_code error;
+    if (AwaitsLeave()) {
+      http::response<http::empty_body> go_on(http::status::continue_, parser_->get().version());
+      Lowest().expires_after(kWriteTime);
+      co_await http::async_write(stream_, go_on, asio::redirect_error(asio::use_awaitable, error));
+    }
+    Lowest().expires_never();
+    co_return error;
+  }
+
+  asio::awaitable<bool> WriteHead(http::response<http::empty_body>& response) {
+    http::response_serializer<http::empty_body> serializer(response);
+    error_code error;
+    Lowest().expires_after(kWriteTime);
+    co_await http::async_write_header(stream_, serializer,
+                                      asio::redirect_error(asio::use_awaitable, error));
+    co_return !error;
+  }
+
   // When a body has taken too long, the read is ended; the connection can still answer.
   struct Limit {
     explicit Limit(const asio::any_io_executor& executor) : timer(executor) {}
@@ -274,8 +343,10 @@ class Connection final : public HttpConnection,
 
   // Whether the client's next request can be found behind this one.
   bool MayGoOn() const {
-    return parser_ && parser_->is_header_done() && !lost_ && (parser_->is_done() || MayDropBody());
+    return parser_ && parser_->is_header_done() && !lost_ && (BodyIsOver() || MayDropBody());
   }
+
+  bool BodyIsOver() const { return pieces_ ? pieces_->is_done() : parser_->is_done(); }
 
   static constexpr bool kSecure = !std::is_same_v<Stream, beast::tcp_stream>;
 
@@ -325,6 +396,10 @@ class Connection final : public HttpConnection,
   const HttpPatience patience_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;  // of the request in hand
+  // Of its body, once that is read in pieces; parser_ then has only what is known of the head.
+  std::optional<http::request_parser<http::buffer_body>> pieces_;
+  uint64_t received_ = 0;                            // bytes of a body that is read in pieces,
+  std::chrono::steady_clock::duration waited_ = {};  // and the time that they took
   bool lost_ = false;  // what the client sends next is the rest of a body
   std::string request_id_ = NewIdentifier();
   bool watching_ = false;

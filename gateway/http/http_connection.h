@@ -63,6 +63,13 @@ class HttpConnection {
   virtual boost::asio::awaitable<HttpReadResult> ReadBody(HttpRequest& request,
                                                           const HasRoom& has_room) = 0;
 
+  // Instead of ReadBody: returns the next bytes of a body of any length, `most` of them unless it
+  // ends before, and none at its end. What nobody asks for is not read, so a slow taker slows the
+  // client; only the time that the client takes itself counts for its patience. After anything but
+  // kRead as ReadBody.
+  virtual boost::asio::awaitable<HttpReadResult> ReadPiece(std::string& piece,
+                                                           std::size_t most) = 0;
+
   // When a request has been answered: takes and drops its body if that has not been read. False if
   // it is too much; answers have then told the client that the connection will be closed.
   virtual boost::asio::awaitable<bool> DropBody() = 0;
@@ -70,6 +77,13 @@ class HttpConnection {
   // Sends a whole answer, of which a HEAD request gets the headers. False if the client is gone.
   virtual boost::asio::awaitable<bool> Write(int status, const HeaderList& headers,
                                              std::string body, bool keep_alive) = 0;
+
+  // Send the head of an answer of `bytes` bytes, of which a HEAD request gets no more, and its
+  // bytes, in any number of parts. False if the client is gone, or has not taken 64 KiB within a
+  // minute.
+  virtual boost::asio::awaitable<bool> BeginBytes(int status, const HeaderList& headers,
+                                                  int64_t bytes, bool keep_alive) = 0;
+  virtual boost::asio::awaitable<bool> WriteBytes(std::string_view bytes) = 0;
 
   // Send the beginning of an answer whose length is not known, its pieces, and its end. A piece
   // that the client has not taken within a minute counts as gone.

@@ -23,7 +23,7 @@ bool IsOfTheExchange(std::string_view name) {
   return name.starts_with("accept") || name.starts_with("connect-") ||
          name.starts_with("content-") || name.starts_with("if-") || name.starts_with("sec-") ||
          name.starts_with("access-control-") || name == "origin" || name == "referer" ||
-         name == "expect" || name == "cache-control" || name == "pragma" ||
+         name == "expect" || name == "range" || name == "cache-control" || name == "pragma" ||
          name == "last-event-id" || name == "priority" || name == "upgrade-insecure-requests";
 }
 

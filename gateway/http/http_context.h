@@ -64,7 +64,7 @@ boost::asio::awaitable<bool> WriteErrorAs(int status, HttpConnection& connection
                                           const ConnectError& error, HeaderList headers,
                                           bool keep_alive);
 
-// The same for a failure found in this door.
+// A failure found in this door, as Connect clients see it.
 ConnectError ToConnectError(const absl::Status& status);
 
 }  // namespace mortise::gateway

@@ -5,8 +5,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "gateway/contract/query.h"
+#include "gateway/http/compression.h"
 #include "gateway/http/connect_handler.h"
+#include "gateway/http/file_handler.h"
 #include "gateway/http/sse_handler.h"
+#include "gateway/http/upload_handler.h"
 
 namespace mortise::gateway {
 namespace {
@@ -20,12 +23,20 @@ constexpr int kMethodNotAllowed = 405;
 constexpr int kHeadersTooLarge = 431;
 
 // What is at a path.
-enum class Resource { kNothing, kDocument, kEvents, kOperationWatch, kMethod };
+enum class Resource {
+  kNothing,
+  kDocument,
+  kEvents,
+  kOperationWatch,
+  kMethod,
+  kFile,    // a method that gives one
+  kUpload,  // a method that takes one
+};
 
 struct Found {
   Resource resource = Resource::kNothing;
-  std::string operation;  // of kOperationWatch: "operations/pareto/0198"
-  const MethodRoute* method = nullptr;
+  std::string operation;                // of kOperationWatch: "operations/pareto/0198"
+  const MethodRoute* method = nullptr;  // of kMethod, kFile and kUpload
 };
 
 bool IsDocument(std::string_view path) {
@@ -47,7 +58,9 @@ Found Find(const HttpContext& context, const std::string& path) {
     return {Resource::kOperationWatch, std::move(operation), nullptr};
   }
   const MethodRoute* method = context.contract->Find(path);
-  return {method == nullptr ? Resource::kNothing : Resource::kMethod, {}, method};
+  if (method == nullptr) return {};
+  if (GivesFile(*method)) return {Resource::kFile, {}, method};
+  return {TakesFile(*method) ? Resource::kUpload : Resource::kMethod, {}, method};
 }
 
 // The value of `Allow`.
@@ -57,43 +70,59 @@ const char* AllowedAt(Resource resource) {
       return "GET, HEAD, OPTIONS";
     case Resource::kMethod:
       return "POST, OPTIONS";
-    case Resource::kNothing:
+    case Resource::kUpload:
+      return "POST, PUT, OPTIONS";
+    case Resource::kFile:
       return "GET, HEAD, POST, OPTIONS";
+    case Resource::kNothing:
+      return "GET, HEAD, POST, PUT, OPTIONS";
     default:
       return "GET, OPTIONS";
   }
 }
 
 bool IsAllowed(Resource resource, verb method) {
-  if (resource == Resource::kMethod) return method == verb::post;
-  return method == verb::get || (resource == Resource::kDocument && method == verb::head);
+  switch (resource) {
+    case Resource::kMethod:
+      return method == verb::post;
+    case Resource::kUpload:
+      return method == verb::post || method == verb::put;
+    case Resource::kFile:
+      return method == verb::get || method == verb::head || method == verb::post;
+    case Resource::kDocument:
+      return method == verb::get || method == verb::head;
+    default:
+      return method == verb::get;
+  }
 }
 
-asio::awaitable<bool> WritePlain(HttpConnection& connection, int status, const char* type,
-                                 std::string body, bool keep_alive) {
+asio::awaitable<bool> WritePlain(HttpConnection& connection, const HttpRequest& request, int status,
+                                 const char* type, std::string body) {
+  const bool keep_alive = request.keep_alive();
   const HeaderList headers = {{"content-type", type}};
-  co_return co_await connection.Write(status, headers, std::move(body), keep_alive) && keep_alive;
+  co_return co_await WriteCompressed(connection, request, status, headers, std::move(body),
+                                     keep_alive) &&
+      keep_alive;
 }
 
 asio::awaitable<bool> WriteDocument(HttpConnection& connection, const HttpContext& context,
-                                    const std::string& path, bool keep_alive) {
+                                    const std::string& path, const HttpRequest& request) {
   if (path == "/version") {
-    co_return co_await WritePlain(connection, 200, "application/json",
-                                  absl::StrCat("{\"version\":\"", context.version, "\"}\n"),
-                                  keep_alive);
+    co_return co_await WritePlain(connection, request, 200, "application/json",
+                                  absl::StrCat("{\"version\":\"", context.version, "\"}\n"));
   }
   if (path == "/openapi.json") {
-    co_return co_await WritePlain(connection, 200, "application/json", context.openapi, keep_alive);
+    co_return co_await WritePlain(connection, request, 200, "application/json", context.openapi);
   }
   if (path == "/metrics") {
-    co_return co_await WritePlain(connection, 200, "text/plain; version=0.0.4", context.metrics(),
-                                  keep_alive);
+    co_return co_await WritePlain(connection, request, 200, "text/plain; version=0.0.4",
+                                  context.metrics());
   }
   const absl::Status health = context.health();
   std::string text = "ok\n";
   if (!health.ok()) text = absl::StrCat(health.message(), "\n");
-  co_return co_await WritePlain(connection, health.ok() ? 200 : 503, "text/plain", std::move(text),
-                                keep_alive);
+  co_return co_await WritePlain(connection, request, health.ok() ? 200 : 503, "text/plain",
+                                std::move(text));
 }
 
 // One Host, as HTTP/1.1 demands, and the right one. A target's own host counts more (RFC 9112).
@@ -125,6 +154,8 @@ asio::awaitable<bool> RefuseMethod(HttpConnection& connection, const Found& foun
     message = absl::StrCat("there is no method ", target.path);
   } else if (found.resource == Resource::kMethod) {
     message = "calls are made by POST";
+  } else if (found.resource == Resource::kUpload) {
+    message = "files are sent by PUT or POST";
   } else if (!nothing) {
     message = absl::StrCat(target.path, " is read by GET");
   }
@@ -136,9 +167,25 @@ asio::awaitable<bool> RefuseMethod(HttpConnection& connection, const Found& foun
 }
 
 // Tells which methods there are. No page of another origin gets leave to call any.
-asio::awaitable<bool> TellMethods(HttpConnection& connection, Resource resource, bool keep_alive) {
+asio::awaitable<bool> TellMethods(HttpConnection& connection, Resource resource,
+                                  const HttpRequest& request) {
   const HeaderList headers = {{"allow", AllowedAt(resource)}};
-  co_return co_await connection.Write(kNoContent, headers, "", keep_alive) && keep_alive;
+  co_return co_await connection.Write(kNoContent, headers, "", request.keep_alive()) &&
+      request.keep_alive();
+}
+
+// What is at a method's path: a call, or a file that goes one way.
+asio::awaitable<bool> AnswerMethod(HttpConnection& connection, const HttpContext& context,
+                                   const Found& found, const Target& target, HttpRequest& request) {
+  const bool posted = request.method() == verb::post;
+  if (found.resource == Resource::kFile && !posted) {
+    co_return co_await HandleFile(connection, context, *found.method, target, request);
+  }
+  if (found.resource == Resource::kUpload &&
+      (!posted || IsFileItself(HeaderOf(request, "content-type")))) {
+    co_return co_await HandleUpload(connection, context, *found.method, request);
+  }
+  co_return co_await HandleConnect(connection, context, *found.method, request);
 }
 
 asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& context,
@@ -146,21 +193,21 @@ asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& cont
   const bool keep_alive = request.keep_alive();
   const Found found = Find(context, target.path);
   if (request.method() == verb::options && found.resource != Resource::kNothing) {
-    co_return co_await TellMethods(connection, found.resource, keep_alive);
+    co_return co_await TellMethods(connection, found.resource, request);
   }
   if (found.resource == Resource::kNothing || !IsAllowed(found.resource, request.method())) {
     co_return co_await RefuseMethod(connection, found, target, request);
   }
   if (found.resource == Resource::kDocument) {
-    co_return co_await WriteDocument(connection, context, target.path, keep_alive);
+    co_return co_await WriteDocument(connection, context, target.path, request);
   }
   if (const absl::Status fit = CheckPassedHeaders(MetadataOf(request)); !fit.ok()) {
     co_return co_await WriteErrorAs(kHeadersTooLarge, connection, ToConnectError(fit), {},
                                     keep_alive) &&
         keep_alive;
   }
-  if (found.resource == Resource::kMethod) {
-    co_return co_await HandleConnect(connection, context, *found.method, request);
+  if (found.method != nullptr) {
+    co_return co_await AnswerMethod(connection, context, found, target, request);
   }
   if (found.resource == Resource::kEvents) {
     co_return co_await HandleEvents(connection, context, target, request) && keep_alive;
@@ -183,7 +230,7 @@ asio::awaitable<bool> HandleRequest(HttpConnection& connection, const HttpContex
         request.keep_alive();
   }
   if (whole_server) {
-    co_return co_await TellMethods(connection, Resource::kNothing, request.keep_alive());
+    co_return co_await TellMethods(connection, Resource::kNothing, request);
   }
   co_return co_await Answer(connection, context, *target, request);
 }

@@ -143,9 +143,9 @@ TEST_F(BodiesTest, LargeBodiesShareABudget) {
   EXPECT_THAT(later, HasSubstr("100 Continue"));
 }
 
-TEST_F(BodiesTest, CompressedBodiesOverHttpAreRefused) {
+TEST_F(BodiesTest, OtherCompressionsThanGzipAreRefused) {
   Start(Options());
-  for (const char* encoding : {"gzip", "deflate", "br", "gzip, gzip"}) {
+  for (const char* encoding : {"deflate", "br", "gzip, gzip"}) {
     const HttpAnswer answer =
         Http(gateway_->addresses().http, "POST", kGetItem,
              {{"Content-Type", "application/json"}, {"Content-Encoding", encoding}}, "\x1f\x8b");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/rpc/status_mapping.h"
 #include "mortise/v1/catalog.grpc.pb.h"
@@ -15,6 +16,8 @@ namespace mortise::gateway {
 namespace {
 
 constexpr int64_t kChunkBytes = 256 * 1024;
+// How often a handler that waits for the end of its call looks.
+constexpr std::chrono::milliseconds kLook(5);
 
 std::string Metadata(const grpc::CallbackServerContext& context, const char* key) {
   const auto found = context.client_metadata().find(key);
@@ -25,7 +28,7 @@ std::string Metadata(const grpc::CallbackServerContext& context, const char* key
 }  // namespace
 
 struct FakeHouse::Services {
-  explicit Services(FakeHouse& house) : catalog(house), simulator(), fabplanner() {}
+  explicit Services(FakeHouse& house) : catalog(house), simulator(house), fabplanner() {}
 
   class Catalog final
       : public v1::CatalogService::WithCallbackMethod_GetItem<v1::CatalogService::Service> {
@@ -47,6 +50,7 @@ struct FakeHouse::Services {
 
     grpc::Status ExportDesign(grpc::ServerContext* context, const v1::ExportDesignRequest* request,
                               grpc::ServerWriter<v1::Chunk>* writer) override {
+      if (IsFile(request->name())) return SendFile(*request, *writer);
       v1::Chunk chunk;
       const bool endless = request->name() == "templates/endless";
       for (int64_t offset = 0; endless || offset < request->revision(); offset += kChunkBytes) {
@@ -68,7 +72,55 @@ struct FakeHouse::Services {
       return grpc::Status::OK;
     }
 
+    grpc::Status ListItems(grpc::ServerContext*, const v1::ListItemsRequest* request,
+                           v1::ListItemsResponse* response) override {
+      const bool first = request->page_token().empty();
+      v1::Item& item = *response->add_items();
+      item.set_name(first ? "items/a" : "items/b");
+      item.set_title(first ? "Screw, \"small\"" : "Bohle, größer");
+      item.set_kind(request->kind() == v1::ITEM_KIND_UNSPECIFIED ? v1::SCREW : request->kind());
+      item.mutable_price()->set_amount(0.25);
+      if (first) response->set_next_page_token("more");
+      return grpc::Status::OK;
+    }
+
+    grpc::Status ImportCatalog(grpc::ServerContext*, const v1::ImportCatalogRequest* request,
+                               v1::ImportCatalogResponse* response) override {
+      for (int i = 0; i < request->items_size(); ++i) {
+        if (request->items(i).name() != "items/bad") continue;
+        return rpc::ToGrpc(InvalidField("items[" + std::to_string(i) + "].price.amount", "is odd"));
+      }
+      response->set_created_count(request->items_size());
+      return grpc::Status::OK;
+    }
+
    private:
+    static bool IsFile(const std::string& name) {
+      return name == "templates/file" || name == "templates/page" || name == "templates/short";
+    }
+
+    grpc::Status SendFile(const v1::ExportDesignRequest& request,
+                          grpc::ServerWriter<v1::Chunk>& writer) {
+      const std::string bytes = FileBytes(static_cast<std::size_t>(request.revision()));
+      const bool page = request.name() == "templates/page";
+      v1::Chunk chunk;
+      chunk.set_total_size(request.revision() + (request.name() == "templates/short" ? 1 : 0));
+      chunk.set_sha256(Sha256Hex(bytes));
+      chunk.set_file_name(page ? "../../x\"\r\nSet-Cookie: a=b" : "table.step");
+      chunk.set_media_type(page ? "text/html\r\nX-Evil: 1" : "model/step");
+      for (std::size_t offset = 0; offset == 0 || offset < bytes.size(); offset += kChunkBytes) {
+        chunk.set_offset(static_cast<int64_t>(offset));
+        chunk.set_data(bytes.substr(offset, kChunkBytes));
+        if (!writer.Write(chunk)) {
+          house_.Count(&Counts::cancelled);
+          return grpc::Status::CANCELLED;
+        }
+        house_.Count(&Counts::written);
+        chunk = {};
+      }
+      return grpc::Status::OK;
+    }
+
     // Answers when the call is cancelled.
     class SlowAnswer final : public grpc::ServerUnaryReactor {
      public:
@@ -101,14 +153,31 @@ struct FakeHouse::Services {
 
   class Simulator final : public v1::SimulatorService::Service {
    public:
-    grpc::Status UploadBlob(grpc::ServerContext*, grpc::ServerReader<v1::Chunk>* reader,
+    explicit Simulator(FakeHouse& house) : house_(house) {}
+
+    grpc::Status UploadBlob(grpc::ServerContext* context, grpc::ServerReader<v1::Chunk>* reader,
                             v1::UploadBlobResponse* response) override {
       int64_t bytes = 0;
+      std::string about;
       v1::Chunk chunk;
-      while (reader->Read(&chunk)) bytes += static_cast<int64_t>(chunk.data().size());
-      response->set_sha256(std::to_string(bytes));
+      while (reader->Read(&chunk)) {
+        house_.Count(&Counts::uploaded);
+        if (chunk.total_size() > int64_t{1} << 30)
+          return rpc::ToGrpc(TooLarge("the file", "1 GiB"));
+        if (chunk.offset() == 0) about = chunk.media_type() + chunk.sha256();
+        bytes += static_cast<int64_t>(chunk.data().size());
+        if (chunk.media_type() == "test/stall") {
+          house_.WaitUntilOver(*context);
+          return grpc::Status::CANCELLED;
+        }
+      }
+      if (context->IsCancelled()) house_.Count(&Counts::cancelled);
+      response->set_sha256(std::to_string(bytes) + about);
       return grpc::Status::OK;
     }
+
+   private:
+    FakeHouse& house_;
   };
 
   class FabPlanner final : public v1::FabPlannerService::Service {
@@ -157,6 +226,19 @@ FakeHouse::FakeHouse(int most_streams) : services_(std::make_unique<Services>(*t
 }
 
 FakeHouse::~FakeHouse() { server_->Shutdown(std::chrono::system_clock::now()); }
+
+std::string FakeHouse::FileBytes(std::size_t count) {
+  std::string bytes(count, ' ');
+  for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<char>('a' + i * 7 % 26);
+  return bytes;
+}
+
+void FakeHouse::WaitUntilOver(const grpc::ServerContext& context) {
+  std::unique_lock lock(mutex_);
+  while (!context.IsCancelled()) changed_.wait_for(lock, kLook);
+  ++counts_.cancelled;
+  changed_.notify_all();
+}
 
 FakeHouse::Counts FakeHouse::counts() const {
   std::lock_guard lock(mutex_);

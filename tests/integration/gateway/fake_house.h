@@ -18,8 +18,13 @@ namespace mortise::gateway {
 // call is cancelled; others answer with their name.
 // ExportDesign: `revision` bytes in chunks of 256 KiB; a name "templates/broken" fails after the
 // first chunk, "templates/endless" goes on until cancelled.
-// UploadBlob answers with the number of bytes. AttachBridge answers each hello with a hold of its
-// name, after a first hold "welcome" that waits for nothing. HoldWorkOrder answers at once.
+// "templates/file" is a file of `revision` bytes of FileBytes(), as services send one, named and
+// typed; "templates/page" the same as text/html with a name that is an attack; "templates/short"
+// ends before what it said. ListItems has two pages of an item each; ImportCatalog creates what it
+// is given, but for items/bad, whose price is at fault. UploadBlob answers with the number of bytes
+// and the file's type and stated digest, refuses at once what is over 1 GiB, and takes nothing more
+// after the first piece of the type "test/stall". AttachBridge answers each hello with a hold of
+// its name, after a first hold "welcome" that waits for nothing. HoldWorkOrder answers at once.
 class FakeHouse {
  public:
   // `most_streams` is how many calls one connection may have, as HTTP/2 counts; 0: any number.
@@ -28,10 +33,14 @@ class FakeHouse {
 
   const std::string& address() const { return address_; }
 
+  // The file of so many bytes.
+  static std::string FileBytes(std::size_t count);
+
   struct Counts {
     int slow = 0;       // calls of items/slow that have begun
     int cancelled = 0;  // calls that saw their cancellation
     int written = 0;    // messages that streams have written
+    int uploaded = 0;   // pieces of uploads that have come
   };
   Counts counts() const;
 
@@ -39,11 +48,14 @@ class FakeHouse {
   // been cancelled; false after ten seconds.
   bool WaitForSlow(int count) { return WaitFor(&Counts::slow, count); }
   bool WaitForWritten(int count) { return WaitFor(&Counts::written, count); }
+  bool WaitForUploaded(int count) { return WaitFor(&Counts::uploaded, count); }
   bool WaitForCancelled(int count) { return WaitFor(&Counts::cancelled, count); }
 
  private:
   struct Services;
   void Count(int Counts::*what);
+  // Counts the call as cancelled once it is.
+  void WaitUntilOver(const grpc::ServerContext& context);
   bool WaitFor(int Counts::*what, int count);
 
   mutable std::mutex mutex_;

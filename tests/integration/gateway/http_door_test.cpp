@@ -147,7 +147,7 @@ TEST_F(HttpDoorTest, KeepsToLimits) {
   EXPECT_TRUE(house_.WaitForCancelled(1));
   ExpectError(Post(kGetItem, "{}", {{"Connect-Timeout-Ms", "soon"}}), 400, "invalid_argument");
   ExpectError(Post(kGetItem, "{}", {{"Connect-Protocol-Version", "2"}}), 400, "invalid_argument");
-  ExpectError(Post(kGetItem, "{}", {{"Content-Encoding", "gzip"}}), 501, "unimplemented");
+  ExpectError(Post(kGetItem, "{}", {{"Content-Encoding", "br"}}), 501, "unimplemented");
 }
 
 TEST_F(HttpDoorTest, RefusesWhatItCannotSpeak) {

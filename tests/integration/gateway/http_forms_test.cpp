@@ -13,6 +13,8 @@ using ::testing::Not;
 using Json = nlohmann::json;
 
 const std::string kGetItem = "/mortise.v1.CatalogService/GetItem";
+const std::string kExport = "/mortise.v1.CatalogService/ExportDesign";
+const std::string kUpload = "/mortise.v1.SimulatorService/UploadBlob";
 const std::string kJson = "Content-Type: application/json\r\n";
 const std::string kHost = "Host: localhost\r\n";
 const std::string kEcho = R"({"name":"items/echo"})";
@@ -58,7 +60,7 @@ std::vector<Form> Forms() {
       {"options of a method", Of("OPTIONS", kGetItem), 204, "allow: POST, OPTIONS\r\n"},
       {"options of a document", Of("OPTIONS", "/version"), 204, "allow: GET, HEAD, OPTIONS\r\n"},
       {"options of events", Of("OPTIONS", "/events"), 204, "allow: GET, OPTIONS\r\n"},
-      {"options of all", Of("OPTIONS", "*"), 204, "allow: GET, HEAD, POST, OPTIONS\r\n"},
+      {"options of all", Of("OPTIONS", "*"), 204, "allow: GET, HEAD, POST, PUT, OPTIONS\r\n"},
       {"options of nothing", Of("OPTIONS", "/nothing"), 404, "nothing at /nothing"},
       {"events posted", Post("/events", kHost + kJson, "{}"), 405, "allow: GET, OPTIONS\r\n"},
       {"events' head", Of("HEAD", "/events"), 405, "allow: GET, OPTIONS\r\n"},
@@ -66,6 +68,25 @@ std::vector<Form> Forms() {
       {"method read", Get(kGetItem), 405, "allow: POST, OPTIONS\r\n"},
       {"method deleted", Of("DELETE", kGetItem), 405, "made by POST"},
       {"traced", Of("TRACE", kGetItem), 405, "allow: POST"},
+      {"file deleted", Of("DELETE", kExport), 405, "allow: GET, HEAD, POST, OPTIONS\r\n"},
+      {"file put", Of("PUT", kExport), 405, "is read by GET"},
+      {"upload read", Get(kUpload), 405, "allow: POST, PUT, OPTIONS\r\n"},
+      {"upload as a form", Post(kUpload, kHost + "Content-Type: multipart/form-data\r\n", "x"), 415,
+       "application/connect+json"},
+      {"upload of no type", Post(kUpload, kHost, "x"), 415, "content-type"},
+      {"upload of no length",
+       "PUT " + kUpload + " HTTP/1.1\r\n" + kHost + "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+       411, "how large it is"},
+      {"upload in gzip",
+       "PUT " + kUpload + " HTTP/1.1\r\n" + kHost + Length(1) + "Content-Encoding: gzip\r\n\r\nx",
+       415, "as they are"},
+      {"upload whose digest is none",
+       "PUT " + kUpload + " HTTP/1.1\r\n" + kHost + Length(1) +
+           "Content-Digest: sha-256=:abc:\r\n\r\nx",
+       400, "content-digest"},
+      {"file of a field that is not there", Get(kExport + "?nom=x"), 400, "no such field"},
+      {"file of a wrong value", Get(kExport + "?revision=two"), 400, "revision"},
+      {"file of two requests", Get(kExport + "?message=%7B%7D&name=x"), 400, "no other parameter"},
       {"nothing deleted", Of("DELETE", "/nothing"), 404, "nothing at /nothing"},
       {"another's verb", Of("BREW", "/version"), 405, "allow: GET"},
       {"tunnel", "CONNECT localhost:1 HTTP/1.1\r\n" + kHost + "\r\n", 400, "must begin with '/'"},
@@ -117,8 +138,10 @@ std::vector<Form> Forms() {
        400, ""},
       {"two lengths", Post(kGetItem, kHost + kJson + Length(3), kEcho), 400, "HTTP/1.1"},
       {"length below zero", Get("/version", kHost + "Content-Length: -1\r\n"), 400, "HTTP/1.1"},
-      {"compressed", Post(kGetItem, kHost + kJson + "Content-Encoding: gzip\r\n", kEcho), 501,
-       "compression"},
+      {"compressed", Post(kGetItem, kHost + kJson + "Content-Encoding: gzip\r\n", kEcho), 400,
+       "no sound gzip"},
+      {"compressed otherwise", Post(kGetItem, kHost + kJson + "Content-Encoding: br\r\n", kEcho),
+       501, "other than gzip"},
       {"type with parameters",
        Post(kGetItem, kHost + "Content-Type: Application/JSON; charset=utf-8\r\n", kEcho), 200,
        "supplier"},
