@@ -50,6 +50,40 @@ constexpr char kWatchPath[] = R"({
   "responses": {"200": {"description": "States of the operation.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}}
 })";
 
+constexpr char kItemsPath[] = R"({
+  "get": {
+    "summary": "Items as comma-separated values.",
+    "description": "All items that meet the filters, which are the fields of mortise.v1.ListItemsRequest but for its pages, in one table that spreadsheets read. Needs the role VIEWER.",
+    "operationId": "readItems",
+    "tags": ["HTTP"],
+    "parameters": [
+      {"name": "kind", "in": "query", "schema": {"type": "string"}, "description": "Only this kind, such as BOLT."},
+      {"name": "material", "in": "query", "schema": {"type": "string"}, "description": "Only of this material."},
+      {"name": "text", "in": "query", "schema": {"type": "string"}, "description": "Only those with each of these words."},
+      {"name": "filter.externalId", "in": "query", "schema": {"type": "string"}, "description": "Only the one that another system knows by this."},
+      {"name": "filter.creator", "in": "query", "schema": {"type": "string"}, "description": "Only those that this subject made."},
+      {"name": "If-None-Match", "in": "header", "schema": {"type": "string"}}],
+    "responses": {
+      "200": {"description": "The table.", "content": {"text/csv": {"schema": {"type": "string"}}}},
+      "304": {"description": "It is as it was."},
+      "default": {"$ref": "#/components/responses/error"}},
+    "x-mortise-role": "VIEWER"
+  },
+  "post": {
+    "summary": "Imports items as comma-separated values.",
+    "description": "Stores all rows or, with every fault named by its place, none. Needs the role DESIGNER.",
+    "operationId": "importItems",
+    "tags": ["HTTP"],
+    "parameters": [
+      {"name": "Idempotency-Key", "in": "header", "schema": {"type": "string"}, "description": "The request id of ImportCatalog; made if absent."}],
+    "requestBody": {"required": true, "content": {"text/csv": {"schema": {"type": "string"}}}},
+    "responses": {
+      "200": {"description": "What became of each.", "content": {"application/json": {"schema": {"$ref": "#/components/schemas/mortise.v1.ImportCatalogResponse"}}}},
+      "default": {"$ref": "#/components/responses/error"}},
+    "x-mortise-role": "DESIGNER"
+  }
+})";
+
 OrderedJson Content(const MethodRoute& method, const OrderedJson& schema) {
   if (!method.client_streaming && !method.server_streaming) {
     return {{"application/json", {{"schema", schema}}}};
@@ -231,6 +265,7 @@ std::string OpenApiDocument(const Contract& contract, std::string_view version) 
   document["tags"].push_back({{"name", "HTTP"}, {"description", "What exists only over HTTP."}});
   paths["/events"]["get"] = OrderedJson::parse(kEventsPath);
   paths["/operations/{service}/{id}/watch"]["get"] = OrderedJson::parse(kWatchPath);
+  paths["/items.csv"] = OrderedJson::parse(kItemsPath);
   paths["/healthz"] = PlainPath("health", "Whether the gateway serves.", "text/plain");
   paths["/version"] = PlainPath("version", "The gateway's version.", "application/json");
   paths["/metrics"] = PlainPath("metrics", "Metrics for Prometheus.", "text/plain");

@@ -8,6 +8,7 @@
 #include "gateway/http/compression.h"
 #include "gateway/http/connect_handler.h"
 #include "gateway/http/file_handler.h"
+#include "gateway/http/items_handler.h"
 #include "gateway/http/sse_handler.h"
 #include "gateway/http/upload_handler.h"
 
@@ -28,6 +29,7 @@ enum class Resource {
   kDocument,
   kEvents,
   kOperationWatch,
+  kItems,
   kMethod,
   kFile,    // a method that gives one
   kUpload,  // a method that takes one
@@ -57,6 +59,7 @@ Found Find(const HttpContext& context, const std::string& path) {
   if (std::string operation = WatchedOperation(path); !operation.empty()) {
     return {Resource::kOperationWatch, std::move(operation), nullptr};
   }
+  if (path == kItemsPath) return {Resource::kItems, {}, nullptr};
   const MethodRoute* method = context.contract->Find(path);
   if (method == nullptr) return {};
   if (GivesFile(*method)) return {Resource::kFile, {}, method};
@@ -73,6 +76,7 @@ const char* AllowedAt(Resource resource) {
     case Resource::kUpload:
       return "POST, PUT, OPTIONS";
     case Resource::kFile:
+    case Resource::kItems:
       return "GET, HEAD, POST, OPTIONS";
     case Resource::kNothing:
       return "GET, HEAD, POST, PUT, OPTIONS";
@@ -88,6 +92,7 @@ bool IsAllowed(Resource resource, verb method) {
     case Resource::kUpload:
       return method == verb::post || method == verb::put;
     case Resource::kFile:
+    case Resource::kItems:
       return method == verb::get || method == verb::head || method == verb::post;
     case Resource::kDocument:
       return method == verb::get || method == verb::head;
@@ -208,6 +213,12 @@ asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& cont
   }
   if (found.method != nullptr) {
     co_return co_await AnswerMethod(connection, context, found, target, request);
+  }
+  if (found.resource == Resource::kItems) {
+    if (request.method() == verb::post) {
+      co_return co_await HandleItemsImport(connection, context, request);
+    }
+    co_return co_await HandleItems(connection, context, target, request);
   }
   if (found.resource == Resource::kEvents) {
     co_return co_await HandleEvents(connection, context, target, request) && keep_alive;
