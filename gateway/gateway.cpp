@@ -259,6 +259,7 @@ class House final : public Gateway {
     context->open_calls = open_calls_.get();
     context->bodies = bodies_.get();
     context->answers = answers_.get();
+    MORTISE_ASSIGN_OR_RETURN(context->cross_origins, CrossOrigins::Parse(options_.cors_origins));
     context->loopback_names_only = options_.insecure_development;
     context->health = [this] {
       return serving_ ? health_.Now() : absl::UnavailableError("draining");

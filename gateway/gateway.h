@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
@@ -43,6 +44,7 @@ struct GatewayOptions {
   // Of large bodies at a time, over HTTP, and of large messages that came compressed, over gRPC.
   int64_t body_bytes = int64_t{256} << 20;
   HttpPatience http_patience;
+  std::vector<std::string> cors_origins;             // of pages that may call over HTTP
   std::chrono::milliseconds reflection_time{60000};  // of one stream of reflection
   WebhookDeliveryOptions webhooks;
 };

@@ -52,6 +52,10 @@ void AddFlags(CLI::App& app, GatewayOptions& options, RawFlags& raw) {
   app.add_option("--tls-authority", options.services_security.authority,
                  "Whom to trust as services, PEM; none: services are on this machine")
       ->envname("MORTISE_TLS_AUTHORITY");
+  app.add_option("--cors-origin", options.cors_origins,
+                 "Origin whose pages may call over HTTP, as https://plm.example; repeat for each")
+      ->envname("MORTISE_CORS_ORIGINS")
+      ->delimiter(',');
   app.add_flag("--insecure-development", options.insecure_development,
                "Plain text and no tokens needed; loopback only")
       ->envname("MORTISE_INSECURE_DEVELOPMENT");

@@ -71,6 +71,7 @@ class Connection final : public HttpConnection,
   asio::awaitable<HttpReadResult> ReadHead(HttpRequest& request) override {
     request_id_ = NewIdentifier();
     lost_ = false;
+    answer_headers_.clear();
     pieces_.reset();
     received_ = 0;
     waited_ = {};
@@ -187,6 +188,8 @@ class Connection final : public HttpConnection,
     }
     co_return !error;
   }
+
+  void SetAnswerHeaders(HeaderList headers) override { answer_headers_ = std::move(headers); }
 
   asio::awaitable<bool> BeginBytes(int status, const HeaderList& headers, int64_t bytes,
                                    bool keep_alive) override {
@@ -385,6 +388,7 @@ class Connection final : public HttpConnection,
   void FillHead(Response& response, int status, const HeaderList& headers, bool keep_alive) const {
     response.result(static_cast<unsigned>(status));
     response.set(http::field::server, kServerName);
+    for (const auto& [name, value] : answer_headers_) response.insert(name, value);
     for (const auto& [name, value] : headers) response.insert(name, value);
     if (response.find(kRequestIdHeader) == response.end()) {
       response.set(kRequestIdHeader, request_id_);
@@ -400,6 +404,7 @@ class Connection final : public HttpConnection,
   std::optional<http::request_parser<http::buffer_body>> pieces_;
   uint64_t received_ = 0;                            // bytes of a body that is read in pieces,
   std::chrono::steady_clock::duration waited_ = {};  // and the time that they took
+  HeaderList answer_headers_;
   bool lost_ = false;  // what the client sends next is the rest of a body
   std::string request_id_ = NewIdentifier();
   bool watching_ = false;

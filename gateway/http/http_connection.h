@@ -78,6 +78,9 @@ class HttpConnection {
   virtual boost::asio::awaitable<bool> Write(int status, const HeaderList& headers,
                                              std::string body, bool keep_alive) = 0;
 
+  // Headers that every answer to the request in hand carries besides its own.
+  virtual void SetAnswerHeaders(HeaderList headers) = 0;
+
   // Send the head of an answer of `bytes` bytes, of which a HEAD request gets no more, and its
   // bytes, in any number of parts. False if the client is gone, or has not taken 64 KiB within a
   // minute.

@@ -13,6 +13,7 @@
 #include "gateway/contract/contract.h"
 #include "gateway/contract/transcoder.h"
 #include "gateway/forwarding/client_call.h"
+#include "gateway/http/cross_origin.h"
 #include "gateway/http/http_connection.h"
 
 namespace mortise::gateway {
@@ -27,6 +28,7 @@ struct HttpContext {
   Budget* bodies = nullptr;              // bytes of bodies, by subject; the gRPC door's too
   Budget* answers = nullptr;             // answers that may take long: streams, and calls that wait
   bool loopback_names_only = false;      // of `Host`: others are refused
+  CrossOrigins cross_origins;            // whose pages may call
   std::string openapi;                   // the document
   std::string version;                   // of the gateway
   std::function<std::string()> metrics;  // in Prometheus' text format

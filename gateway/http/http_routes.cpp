@@ -171,10 +171,15 @@ asio::awaitable<bool> RefuseMethod(HttpConnection& connection, const Found& foun
       request.keep_alive();
 }
 
-// Tells which methods there are. No page of another origin gets leave to call any.
-asio::awaitable<bool> TellMethods(HttpConnection& connection, Resource resource,
-                                  const HttpRequest& request) {
-  const HeaderList headers = {{"allow", AllowedAt(resource)}};
+// Tells which methods there are, and gives a page of an origin that was stated leave to call them.
+asio::awaitable<bool> TellMethods(HttpConnection& connection, const HttpContext& context,
+                                  Resource resource, const HttpRequest& request) {
+  HeaderList headers = {{"allow", AllowedAt(resource)}};
+  if (!HeaderOf(request, "access-control-request-method").empty()) {
+    const HeaderList leave = context.cross_origins.PreflightHeaders(
+        HeaderOf(request, "origin"), HeaderOf(request, "access-control-request-headers"));
+    headers.insert(headers.end(), leave.begin(), leave.end());
+  }
   co_return co_await connection.Write(kNoContent, headers, "", request.keep_alive()) &&
       request.keep_alive();
 }
@@ -198,7 +203,7 @@ asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& cont
   const bool keep_alive = request.keep_alive();
   const Found found = Find(context, target.path);
   if (request.method() == verb::options && found.resource != Resource::kNothing) {
-    co_return co_await TellMethods(connection, found.resource, request);
+    co_return co_await TellMethods(connection, context, found.resource, request);
   }
   if (found.resource == Resource::kNothing || !IsAllowed(found.resource, request.method())) {
     co_return co_await RefuseMethod(connection, found, target, request);
@@ -231,6 +236,7 @@ asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& cont
 
 asio::awaitable<bool> HandleRequest(HttpConnection& connection, const HttpContext& context,
                                     HttpRequest& request) {
+  connection.SetAnswerHeaders(context.cross_origins.HeadersFor(HeaderOf(request, "origin")));
   const bool whole_server = request.method() == verb::options && request.target() == "*";
   const auto target = ParseTarget(
       whole_server ? "/" : std::string_view(request.target().data(), request.target().size()));
@@ -241,7 +247,7 @@ asio::awaitable<bool> HandleRequest(HttpConnection& connection, const HttpContex
         request.keep_alive();
   }
   if (whole_server) {
-    co_return co_await TellMethods(connection, Resource::kNothing, request);
+    co_return co_await TellMethods(connection, context, Resource::kNothing, request);
   }
   co_return co_await Answer(connection, context, *target, request);
 }
