@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/descriptor_limit.h"
@@ -56,9 +57,12 @@ absl::Status CheckOptions(const GatewayOptions& options, const Contract& contrac
   if (options.insecure_development && !local) {
     return InvalidField("insecure-development", "is for doors on loopback only");
   }
-  if (!options.insecure_development && (options.keys.empty() || options.jwt_keys.empty())) {
+  const bool knows_keys = !options.jwt_keys.empty() || !options.jwks.url.empty();
+  if (!options.insecure_development && (options.keys.empty() || !knows_keys)) {
     return InvalidField(options.keys.empty() ? "keys" : "jwt-keys",
-                        "is needed unless --insecure-development is given");
+                        options.keys.empty()
+                            ? "is needed unless --insecure-development is given"
+                            : "or --jwks-url is needed unless --insecure-development is given");
   }
   if (options.security.certificate.empty() != options.security.key.empty()) {
     return InvalidField("tls-key", "a certificate and its key come together");
@@ -117,10 +121,8 @@ class House final : public Gateway {
     AdmissionOptions admission;
     admission.insecure_development = options_.insecure_development;
     admission.token = options_.token;
-    if (!options_.jwt_keys.empty()) {
-      MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options_.jwt_keys, 1 << 20));
-      MORTISE_ASSIGN_OR_RETURN(admission.keys, TokenKeys::Parse(text));
-    }
+    MORTISE_RETURN_IF_ERROR(LoadTokenKeys());
+    admission.keys = token_keys_.get();
     // In development callers need no token, but services verify what the gateway says of them
     // wherever keys are given.
     if (!options_.keys.empty()) {
@@ -129,6 +131,23 @@ class House final : public Gateway {
     }
     admission.signer = signer_.get();
     admission_ = std::make_unique<Admission>(std::move(admission));
+    return absl::OkStatus();
+  }
+
+  // Of the file, the address, or both.
+  absl::Status LoadTokenKeys() {
+    std::optional<TokenKeys> of_file;
+    if (!options_.jwt_keys.empty()) {
+      MORTISE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options_.jwt_keys, 1 << 20));
+      MORTISE_ASSIGN_OR_RETURN(of_file, TokenKeys::Parse(text));
+    }
+    if (!options_.jwks.url.empty()) {
+      KeyAddressOptions address = options_.jwks;
+      address.also = of_file;
+      MORTISE_ASSIGN_OR_RETURN(token_keys_, KeyAddress::Start(address));
+    } else if (of_file) {
+      token_keys_ = std::make_unique<FixedKeys>(*std::move(of_file));
+    }
     return absl::OkStatus();
   }
 
@@ -305,6 +324,7 @@ class House final : public Gateway {
   const Transcoder transcoder_{*contract_};
   std::unique_ptr<rpc::IdentitySigner> signer_;
   std::unique_ptr<rpc::IdentityVerifier> verifier_;
+  std::unique_ptr<KeySource> token_keys_;
   std::unique_ptr<Admission> admission_;
   std::unique_ptr<store::Store> store_;
   bus::ClientSecurity bus_security_;

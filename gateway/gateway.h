@@ -14,6 +14,7 @@
 #include "gateway/admission/open_calls.h"
 #include "gateway/contract/token.h"
 #include "gateway/http/http_connection.h"
+#include "gateway/token_keys/key_address.h"
 #include "gateway/webhooks/webhook_delivery.h"
 
 namespace mortise::gateway {
@@ -26,6 +27,7 @@ struct GatewayOptions {
   std::string store = "sqlite:state/gateway.db";  // webhooks and audit records
   std::filesystem::path keys;                     // folder of identity keys, with gateway.key
   std::filesystem::path jwt_keys;  // public keys of bearer tokens: JSON Web Key Set or PEM
+  KeyAddressOptions jwks;          // where more of them are fetched; nowhere if its url is empty
   TokenOptions token;
   rpc::ChannelSecurity security;           // certificate and key of both doors
   rpc::ChannelSecurity services_security;  // of the channels to services

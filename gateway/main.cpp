@@ -23,6 +23,24 @@ struct RawFlags {
   std::string log_level = "info";
 };
 
+// Who signs tokens, and what they must say.
+void AddTokenFlags(CLI::App& app, GatewayOptions& options) {
+  app.add_option("--jwt-keys", options.jwt_keys,
+                 "Public keys of bearer tokens: JSON Web Key Set or PEM")
+      ->envname("MORTISE_JWT_KEYS");
+  app.add_option("--jwks-url", options.jwks.url,
+                 "Address of more of them, a JSON Web Key Set; fetched again and again")
+      ->envname("MORTISE_JWKS_URL");
+  app.add_option("--jwks-authority", options.jwks.authority,
+                 "Whom to trust at that address, PEM; whom the system trusts if not given")
+      ->envname("MORTISE_JWKS_AUTHORITY");
+  app.add_option("--jwt-issuer", options.token.issuer, "Required issuer of tokens; any if empty")
+      ->envname("MORTISE_JWT_ISSUER");
+  app.add_option("--jwt-audience", options.token.audience,
+                 "Required audience of tokens; any if empty")
+      ->envname("MORTISE_JWT_AUDIENCE");
+}
+
 void AddFlags(CLI::App& app, GatewayOptions& options, RawFlags& raw) {
   app.add_option("--grpc", options.grpc, "HOST:PORT of the gRPC door; port 0 is any free one")
       ->envname("MORTISE_GRPC");
@@ -36,14 +54,7 @@ void AddFlags(CLI::App& app, GatewayOptions& options, RawFlags& raw) {
       ->envname("MORTISE_STORE");
   app.add_option("--keys", options.keys, "Folder of identity keys, with gateway.key")
       ->envname("MORTISE_KEYS");
-  app.add_option("--jwt-keys", options.jwt_keys,
-                 "Public keys of bearer tokens: JSON Web Key Set or PEM")
-      ->envname("MORTISE_JWT_KEYS");
-  app.add_option("--jwt-issuer", options.token.issuer, "Required issuer of tokens; any if empty")
-      ->envname("MORTISE_JWT_ISSUER");
-  app.add_option("--jwt-audience", options.token.audience,
-                 "Required audience of tokens; any if empty")
-      ->envname("MORTISE_JWT_AUDIENCE");
+  AddTokenFlags(app, options);
   app.add_option("--tls-certificate", options.security.certificate,
                  "Certificate chain of both doors, shown to services too, PEM")
       ->envname("MORTISE_TLS_CERTIFICATE");

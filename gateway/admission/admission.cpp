@@ -53,22 +53,30 @@ absl::StatusOr<std::shared_ptr<const Caller>> Admission::Authenticate(
   }
   const auto token = BearerToken(authorization);
   if (!token) return IdentityInvalid("the authorization header is not of the form Bearer <token>");
-  if (!options_.keys) {
+  if (options_.keys == nullptr) {
     if (developer_) return developer_;
     return IdentityInvalid("this gateway has no keys to verify tokens with");
   }
   const absl::Time now = options_.clock();
   std::string key(*token);
+  const std::shared_ptr<const TokenKeys> keys = options_.keys->keys();
   {
     std::lock_guard lock(mutex_);
     const auto found = verified_.find(key);
     if (found != verified_.end()) {
-      if (now < found->second->expires_at) return found->second;
+      const Verified& verified = found->second;
+      if (now < verified.caller->expires_at && verified.keys == keys) return verified.caller;
       verified_.erase(found);
     }
   }
-  MORTISE_ASSIGN_OR_RETURN(const TokenClaims claims,
-                           options_.keys->Verify(*token, options_.token, now));
+  const bool known = keys != nullptr && keys->MayVerify(*token);
+  // Those that were never fetched are being fetched, or will be in moments.
+  if (!known && (options_.keys->FetchAnew() || keys == nullptr)) {
+    return WithDetail(absl::UnavailableError("the token's key is not known, and the keys of tokens "
+                                             "are being fetched: try again in a moment"),
+                      {kKeysBeingFetched, "authorization"});
+  }
+  MORTISE_ASSIGN_OR_RETURN(const TokenClaims claims, keys->Verify(*token, options_.token, now));
   auto caller = std::make_shared<Caller>();
   caller->subject = SubjectName(claims.subject);
   caller->role = HighestRole(claims.roles);
@@ -78,7 +86,7 @@ absl::StatusOr<std::shared_ptr<const Caller>> Admission::Authenticate(
   }
   std::lock_guard lock(mutex_);
   if (verified_.size() >= kMaximalRememberedTokens) verified_.clear();
-  verified_[std::move(key)] = caller;
+  verified_[std::move(key)] = {caller, keys};
   return caller;
 }
 

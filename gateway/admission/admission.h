@@ -15,6 +15,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "common/rpc/identity.h"
+#include "gateway/admission/key_source.h"
 #include "gateway/contract/contract.h"
 #include "gateway/contract/token.h"
 
@@ -29,7 +30,7 @@ struct Caller {
 };
 
 struct AdmissionOptions {
-  std::optional<TokenKeys> keys;  // none: only in development
+  KeySource* keys = nullptr;  // must outlive; null: only in development
   TokenOptions token;
   const rpc::IdentitySigner* signer = nullptr;  // must outlive; null: only in development
   // Calls without a token come from "users/developer", an admin. The doors are on loopback then.
@@ -44,7 +45,9 @@ class Admission {
   explicit Admission(AdmissionOptions options);
 
   // Returns the caller that an `authorization` header speaks for. UNAUTHENTICATED, IDENTITY_INVALID
-  // without a valid token. The subject is `sub`, put under "users/" unless it names its collection
+  // without a valid token; UNAVAILABLE, KEYS_BEING_FETCHED while nobody knows whether it is: its
+  // key is not known, and the keys are being fetched. The subject is `sub`, put under "users/"
+  // unless it names its collection
   // ("services/plm") itself; the role is the highest in `roles`.
   absl::StatusOr<std::shared_ptr<const Caller>> Authenticate(std::string_view authorization);
 
@@ -57,6 +60,11 @@ class Admission {
   std::string SignedIdentity(const Caller& caller);
 
  private:
+  // A caller, and the keys that the token was verified with: it is verified again once they change.
+  struct Verified {
+    std::shared_ptr<const Caller> caller;
+    std::shared_ptr<const TokenKeys> keys;
+  };
   struct Signed {
     std::string identity;
     absl::Time at;
@@ -66,13 +74,16 @@ class Admission {
   std::shared_ptr<const Caller> developer_;
   std::mutex mutex_;
   // By token; guarded by mutex_.
-  std::unordered_map<std::string, std::shared_ptr<const Caller>> verified_;
+  std::unordered_map<std::string, Verified> verified_;
   std::map<std::pair<std::string, rpc::Role>, Signed> signed_;  // guarded by mutex_
 };
 
 // UNAUTHENTICATED, IDENTITY_INVALID: of two tokens, who looks at the first would know another
 // caller than who looks at the last.
 absl::Status SeveralTokens();
+
+// The reason of a refusal of which nobody can say yet whether it is one.
+inline constexpr char kKeysBeingFetched[] = "KEYS_BEING_FETCHED";
 
 // Whether a client's `x-request-id` is used: 1 to 128 letters, digits, '.', '_' or '-'.
 bool IsRequestId(std::string_view text);

@@ -254,6 +254,15 @@ struct TokenKeys::Key {
 
 namespace {
 
+bool IsAccepted(std::string_view algorithm) {
+  return algorithm == "RS256" || algorithm == "ES256" || algorithm == "EdDSA";
+}
+
+// Whether a token's `kid` may mean the key: where either has none, only the signature tells.
+bool IsNamed(const TokenKeys::Key& key, std::string_view key_id) {
+  return key.id.empty() || key_id.empty() || key.id == key_id;
+}
+
 bool SignatureFits(const TokenKeys::Key& key, std::string_view signed_part,
                    std::string_view signature) {
   std::string der;
@@ -350,7 +359,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
   MORTISE_ASSIGN_OR_RETURN(const Json header, ParseObject(*header_text, "header"));
   if (header.contains("crit")) return IdentityInvalid("the token demands an unknown extension");
   const std::string algorithm = StringMember(header, "alg");
-  if (algorithm != "RS256" && algorithm != "ES256" && algorithm != "EdDSA") {
+  if (!IsAccepted(algorithm)) {
     return IdentityInvalid(absl::StrCat(
         algorithm.empty() ? "the token names no algorithm (alg)"
                           : absl::StrCat("the token's algorithm '",
@@ -361,8 +370,7 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
 
   bool verified = false;
   for (const auto& key : keys_) {
-    if (key->algorithm != algorithm) continue;
-    if (!key->id.empty() && !key_id.empty() && key->id != key_id) continue;
+    if (key->algorithm != algorithm || !IsNamed(*key, key_id)) continue;
     if (SignatureFits(*key, token.substr(0, second_dot), *signature)) {
       verified = true;
       break;
@@ -373,6 +381,26 @@ absl::StatusOr<TokenClaims> TokenKeys::Verify(std::string_view token, const Toke
   }
   MORTISE_ASSIGN_OR_RETURN(const Json claims, ParseObject(*claims_text, "claims"));
   return CheckClaims(claims, options, now);
+}
+
+bool TokenKeys::MayVerify(std::string_view token) const {
+  if (token.size() > kMaximalTokenBytes) return true;
+  const auto header_text = FromBase64Url(token.substr(0, token.find('.')));
+  if (!header_text) return true;
+  const auto header = ParseObject(*header_text, "header");
+  if (!header.ok()) return true;
+  const std::string algorithm = StringMember(*header, "alg");
+  if (!IsAccepted(algorithm)) return true;
+  const std::string key_id = StringMember(*header, "kid");
+  return std::any_of(keys_.begin(), keys_.end(), [&](const std::shared_ptr<const Key>& key) {
+    return key->algorithm == algorithm && IsNamed(*key, key_id);
+  });
+}
+
+TokenKeys TokenKeys::Join(const TokenKeys& first, const TokenKeys& second) {
+  TokenKeys both = first;
+  both.keys_.insert(both.keys_.end(), second.keys_.begin(), second.keys_.end());
+  return both;
 }
 
 std::optional<std::string_view> BearerToken(std::string_view authorization) {

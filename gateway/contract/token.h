@@ -1,4 +1,4 @@
-// Bearer tokens: JSON Web Tokens (RFC 7519) verified with public keys from a file.
+// Bearer tokens: JSON Web Tokens (RFC 7519) verified with public keys.
 #pragma once
 
 #include <memory>
@@ -43,6 +43,13 @@ class TokenKeys {
   // UNAUTHENTICATED, saying why, otherwise.
   absl::StatusOr<TokenClaims> Verify(std::string_view token, const TokenOptions& options,
                                      absl::Time now) const;
+
+  // Whether a key may be one that the token was signed with, by its `alg` and `kid`. True, too, for
+  // what is no token, of which Verify says more.
+  bool MayVerify(std::string_view token) const;
+
+  // Returns the keys of both.
+  static TokenKeys Join(const TokenKeys& first, const TokenKeys& second);
 
   std::size_t size() const { return keys_.size(); }
 

@@ -32,7 +32,7 @@ bool IsForNow(const ConnectError& error) {
   for (const ErrorDetailBytes& detail : error.details) {
     google::rpc::ErrorInfo info;
     if (detail.type == info.GetTypeName() && info.ParseFromString(detail.value) &&
-        absl::StartsWith(info.reason(), "TOO_MANY_")) {
+        (absl::StartsWith(info.reason(), "TOO_MANY_") || info.reason() == kKeysBeingFetched)) {
       return true;
     }
   }

@@ -14,7 +14,7 @@ class AdmissionTest : public ::testing::Test {
  protected:
   AdmissionTest() {
     AdmissionOptions options;
-    options.keys = *TokenKeys::Parse(signer_.Pem());
+    options.keys = &keys_;
     options.clock = [this] { return now_; };
     admission_ = std::make_unique<Admission>(std::move(options));
   }
@@ -27,6 +27,7 @@ class AdmissionTest : public ::testing::Test {
 
   const TokenSigner signer_{"EdDSA"};
   absl::Time now_ = absl::FromUnixSeconds(1800000000);
+  FixedKeys keys_{*TokenKeys::Parse(signer_.Pem())};
   std::unique_ptr<Admission> admission_;
   const std::unique_ptr<const Contract> contract_ = Contract::Load();
 };
