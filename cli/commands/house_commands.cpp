@@ -247,6 +247,10 @@ void AddHouseCommands(CLI::App& app, Session& session) {
                  "PEM certificate of who signed it; the certificate itself if absent");
   up->add_option("--jwt-keys", options->jwt_keys,
                  "Public keys of bearer tokens: JSON Web Key Set or PEM");
+  up->add_option("--jwks-url", options->jwks_url,
+                 "Address that more of them are fetched from, a JSON Web Key Set");
+  up->add_option("--cors-origin", options->cors_origins,
+                 "Origin whose pages may call over HTTP, as https://plm.example; repeat for each");
   up->add_option("--bridge-token-file", options->bridge_token_file,
                  "Bearer token of an operator, for the bridge of --virtual-cell");
   up->add_option("--log-megabytes", options->log_megabytes,

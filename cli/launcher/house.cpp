@@ -113,16 +113,17 @@ absl::Status CheckFile(const std::string& option, const std::string& path) {
 absl::Status CheckSecurity(const HouseOptions& options) {
   const bool any = !options.tls_certificate.empty() || !options.tls_key.empty() ||
                    !options.tls_authority.empty() || !options.jwt_keys.empty() ||
-                   !options.bridge_token_file.empty();
+                   !options.jwks_url.empty() || !options.bridge_token_file.empty();
   if (options.insecure_development) {
     if (!any) return absl::OkStatus();
     return InvalidField("--insecure-development",
                         "is plain text without tokens; leave it out, or the options of TLS and "
                         "tokens");
   }
-  if (options.tls_certificate.empty() || options.tls_key.empty() || options.jwt_keys.empty()) {
+  const bool knows_keys = !options.jwt_keys.empty() || !options.jwks_url.empty();
+  if (options.tls_certificate.empty() || options.tls_key.empty() || !knows_keys) {
     return InvalidField("--tls-certificate",
-                        "give --tls-certificate, --tls-key and --jwt-keys, or say "
+                        "give --tls-certificate, --tls-key and --jwt-keys (or --jwks-url), or say "
                         "--insecure-development for plain text without tokens on loopback");
   }
   if (options.virtual_cell && options.bridge_token_file.empty()) {
@@ -238,9 +239,11 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
   if (options.insecure_development) {
     Add(gateway, {"--insecure-development"});
   } else {
-    Add(gateway, {"--tls-certificate", options.tls_certificate, "--tls-key", options.tls_key,
-                  "--jwt-keys", options.jwt_keys});
+    Add(gateway, {"--tls-certificate", options.tls_certificate, "--tls-key", options.tls_key});
+    if (!options.jwt_keys.empty()) Add(gateway, {"--jwt-keys", options.jwt_keys});
+    if (!options.jwks_url.empty()) Add(gateway, {"--jwks-url", options.jwks_url});
   }
+  for (const std::string& origin : options.cors_origins) Add(gateway, {"--cors-origin", origin});
   plan.processes.push_back(std::move(gateway));
 
   for (std::size_t i = 0; i < addresses.size(); ++i) {

@@ -26,6 +26,8 @@ struct HouseOptions {
   std::string tls_key;                       // PEM file
   std::string tls_authority;                 // PEM file of who signed it; itself if empty
   std::string jwt_keys;                      // file of keys that sign bearer tokens
+  std::string jwks_url;                      // address of more of them
+  std::vector<std::string> cors_origins;     // of pages that may call over HTTP
   std::string bridge_token_file;             // bearer token of the virtual cell's bridge
   double log_megabytes = 10;                 // after which a process begins a new log file
 };
