@@ -7,6 +7,7 @@
 //   blocks ```sh costly     with few evaluations instead of as many as they say
 //   blocks ```sh secure-…   by secure_house_test
 //   blocks ```sh evaluators by evaluator_page_test
+//   blocks ```sh integration by integration_page_test
 //   blocks ```sh slurm      by slurm_workers_test
 //   blocks ```sh kubernetes by kubernetes_manifests_test
 //   export PATH=…           left out: the programs are on the PATH
@@ -37,7 +38,8 @@ std::filesystem::path Source() {
 }
 
 // Marks of blocks that other tests run.
-const std::set<std::string> kRunElsewhere = {"secure-house", "evaluators", "slurm", "kubernetes"};
+const std::set<std::string> kRunElsewhere = {"secure-house", "evaluators", "integration", "slurm",
+                                             "kubernetes"};
 
 class Manual : public ::testing::Test {
  protected:
