@@ -390,7 +390,7 @@ void AddParetoCommands(CLI::App& app, Session& session) {
       ->check(CLI::PositiveNumber);
   run->add_option("--seed", run_options->seed, "Same seed, same front")->capture_default_str();
   run->add_option("--surrogate", run_options->surrogate,
-                  "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                  "Whether a surrogate proposes designs: auto (as much as it earns), "
                   "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}));
   run->add_option("--out", run_options->out, "Folder for front.csv, front.svg and front.png");

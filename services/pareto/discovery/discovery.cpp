@@ -50,6 +50,7 @@ Discovery::Discovery(const DesignSpace& space, Eigen::Index metric_count, const 
       scheduler_(policy_.Scheduling(), options.seed),
       population_(policy_.PopulationSize()),
       surrogate_({}, box_.box(), options.seed ^ 0x57a7eULL),
+      turns_(box_.size(), policy_.FixedSurrogateShare()),
       evolution_(options.seed ^ 0xe501ULL),
       finishing_(policy_.Finishing()),
       random_(options.seed ^ 0x5eedULL),
@@ -86,7 +87,9 @@ std::optional<Discovery::Proposal> Discovery::Ask() {
   // Designs that were given are asked for bit for bit: the evaluator may know them.
   Proposal proposal{number, number < given() ? Eigen::VectorXd(options_.initial_designs.col(number))
                                              : box_.DesignAt(request->u)};
-  window_.Propose(proposal.x, {box_.UnitOf(proposal.x), request->track});
+  const bool is_surrogates = request->track == surrogate_track_;
+  if (number >= initial_samples_) turns_.Propose(is_surrogates, surrogate_.quality());
+  window_.Propose(proposal.x, {box_.UnitOf(proposal.x), request->track, is_surrogates});
   return proposal;
 }
 
@@ -122,6 +125,7 @@ void Discovery::Commit(std::int64_t number, const Window::Proposed& proposed) {
   }
   const Admitted admitted = Admit(proposed.origin.u, proposed.x, result);
   tracks_.Credit(proposed.origin.track, admitted.gain);
+  if (number >= initial_samples_) turns_.Count(proposed.origin.is_surrogates, admitted.gain);
   if (tracks_.Answer(archive_, number, admitted.entry)) RetireFinished();
 }
 
@@ -189,7 +193,7 @@ std::optional<TrackPool::Request> Discovery::Step() {
     if (request || Finished()) return request;
     if (tracks_.started() != started) continue;  // an expansion has begun
     if (AwaitsOpening() && !window_.under_way().empty()) {
-      return UsesSurrogate() ? AskSurrogate() : std::nullopt;
+      return turns_.IsFixed() && UsesSurrogate() ? AskSurrogate() : std::nullopt;
     }
     // What is polished next depends on what came of this.
     if (polishes && tracks_.IsFinishing()) return std::nullopt;

@@ -40,6 +40,7 @@
 #include "services/pareto/discovery/proposal_window.h"
 #include "services/pareto/discovery/search_box.h"
 #include "services/pareto/discovery/search_policy.h"
+#include "services/pareto/discovery/surrogate_turns.h"
 #include "services/pareto/discovery/track_pool.h"
 #include "services/pareto/discovery/track_scheduler.h"
 #include "services/pareto/front/front.h"
@@ -92,6 +93,7 @@ class Discovery : public AskTell {
   struct Origin {
     Eigen::VectorXd u;
     std::int64_t track = 0;
+    bool is_surrogates = false;
   };
   using Window = ProposalWindow<Origin>;
 
@@ -161,6 +163,7 @@ class Discovery : public AskTell {
   TrackScheduler scheduler_;
   Population population_;
   SurrogateSearch surrogate_;
+  SurrogateTurns turns_;
   EvolutionSearch evolution_;
   FrontFinishing finishing_;
   Random random_;
@@ -185,8 +188,8 @@ class Discovery : public AskTell {
   evaluation::FailureTally failures_;
   std::int64_t optimizations_ = 0;
   std::int64_t expansions_ = 0;
-  std::int64_t surrogate_proposals_ = 0;
-  mutable ShownHypervolume shown_;  // by summary()
+  std::int64_t surrogate_track_ = -3;  // of its last proposal
+  mutable ShownHypervolume shown_;     // by summary()
   StopReason stop_ = StopReason::kRunning;
   std::string message_;
 };

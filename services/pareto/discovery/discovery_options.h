@@ -11,10 +11,10 @@
 namespace mortise::pareto {
 
 struct DiscoveryOptions {
-  // Whether a surrogate proposes designs (surrogate_search.h), four of five after the space-filling
-  // ones, at some 20 ms to a second each. Automatically it does with budgets of up to 30
-  // evaluations a parameter (or 300 in all), less than 1,000, for up to 40 parameters, unless all
-  // gradients are offered.
+  // Whether a surrogate proposes designs (surrogate_search.h) after the space-filling ones, at some
+  // 5 to 100 ms each. Automatically it has the turns that it earns (surrogate_turns.h), at most two
+  // of five of the first thousand, for up to 40 parameters, unless all gradients are offered;
+  // always it has four of five.
   enum class Surrogate { kAutomatic, kAlways, kNever };
 
   std::int64_t evaluations = 1000;  // budget, 1 to 10,000,000

@@ -158,21 +158,17 @@ bool Discovery::OffersGradients() const {
   return OffersEvery(archive_[archive_.non_dominated().front()].jacobian);
 }
 
-bool Discovery::UsesSurrogate() const { return policy_.UsesSurrogate(OffersGradients()); }
-
-bool Discovery::SurrogateIsDue() const {
-  return SearchPolicy::SurrogateIsDue(surrogate_proposals_,
-                                      window_.proposed() - initial_samples_) &&
-         UsesSurrogate();
+bool Discovery::UsesSurrogate() const {
+  return policy_.UsesSurrogate(OffersGradients(), window_.proposed());
 }
+
+bool Discovery::SurrogateIsDue() const { return turns_.IsDue() && UsesSurrogate(); }
 
 std::optional<TrackPool::Request> Discovery::AskSurrogate() {
   std::vector<Eigen::VectorXd> under_way;
   for (const auto& [number, proposed] : window_.under_way()) under_way.push_back(proposed.origin.u);
-  const std::int64_t track =
-      tracks_.Start(surrogate_.Next(archive_, under_way), TrackKind::kSurrogate);
-  ++surrogate_proposals_;
-  return tracks_.AskOne(track, archive_, window_.proposed(),
+  surrogate_track_ = tracks_.Start(surrogate_.Next(archive_, under_way), TrackKind::kSurrogate);
+  return tracks_.AskOne(surrogate_track_, archive_, window_.proposed(),
                         [this](const auto& u) { return Find(u); });
 }
 

@@ -17,14 +17,11 @@ constexpr std::int64_t kAmpleBudget = 500;      // and for each dimension of the
 constexpr std::int64_t kSpaceFilling = 3;
 constexpr std::int64_t kMoreWithConstraints = 20;
 
-// A surrogate is used for budgets up to so many evaluations for each parameter, or kScarce in all,
-// however few parameters there are; never above kSurrogateLimit evaluations, or for more
-// parameters.
-constexpr std::int64_t kSurrogateBudget = 30;
-constexpr std::int64_t kScarce = 300;
-constexpr std::int64_t kSurrogateLimit = 999;
+// A surrogate that nobody asked for takes part in so many evaluations, for so many parameters at
+// most: its own time grows with both.
+constexpr std::int64_t kSurrogateEvaluations = 1000;
 constexpr Eigen::Index kSurrogateParameters = 40;
-constexpr double kSurrogateShare = 0.8;  // of the evaluations after the initial samples
+constexpr double kSurrogateShare = 0.8;  // of the evaluations, where it is asked for
 
 // Pieces of the front.
 constexpr std::int64_t kMaxPatch = 4;        // a patch takes at most this part of the budget
@@ -98,16 +95,15 @@ bool SearchPolicy::Explores() const { return options_.evaluations >= kExploringB
 
 bool SearchPolicy::Evolves() const { return options_.evaluations >= kEvolvingBudget * size_; }
 
-bool SearchPolicy::UsesSurrogate(bool offers_gradients) const {
+bool SearchPolicy::UsesSurrogate(bool offers_gradients, std::int64_t proposed) const {
   using Surrogate = DiscoveryOptions::Surrogate;
   if (options_.surrogate != Surrogate::kAutomatic) return options_.surrogate == Surrogate::kAlways;
-  const std::int64_t scarce = std::max(kSurrogateBudget * size_, kScarce);
-  return size_ <= kSurrogateParameters &&
-         options_.evaluations <= std::min(kSurrogateLimit, scarce) && !offers_gradients;
+  return size_ <= kSurrogateParameters && proposed < kSurrogateEvaluations && !offers_gradients;
 }
 
-bool SearchPolicy::SurrogateIsDue(std::int64_t proposals, std::int64_t searched) {
-  return static_cast<double>(proposals) <= kSurrogateShare * static_cast<double>(searched);
+std::optional<double> SearchPolicy::FixedSurrogateShare() const {
+  if (options_.surrogate != DiscoveryOptions::Surrogate::kAlways) return std::nullopt;
+  return kSurrogateShare;
 }
 
 PatchSampling::Options SearchPolicy::Patch(std::int64_t committed, bool may_probe,

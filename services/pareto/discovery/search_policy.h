@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "services/pareto/archive/performance_buffer.h"
 #include "services/pareto/discovery/discovery_options.h"
@@ -56,12 +57,13 @@ class SearchPolicy {
   // Whether it allows for evolution, too.
   bool Evolves() const;
 
-  // Whether a surrogate proposes designs: automatically where evaluations are so few that each is
-  // worth some thought. With gradients local models need no other.
-  bool UsesSurrogate(bool offers_gradients) const;
+  // Whether a surrogate may propose the next design after `proposed` ones; automatically it may
+  // earn turns (surrogate_turns.h) among the first thousand evaluations. With gradients local
+  // models need no other.
+  bool UsesSurrogate(bool offers_gradients, std::int64_t proposed) const;
 
-  // Whether the next evaluation is the surrogate's, of which it had `proposals` among `searched`.
-  static bool SurrogateIsDue(std::int64_t proposals, std::int64_t searched);
+  // Returns the share of the proposals that the surrogate has whatever it earns, if it has one.
+  std::optional<double> FixedSurrogateShare() const;
 
   // Returns how a piece is followed when `committed` evaluations have been made. `may_probe` says
   // whether fewer pieces look beyond their ends than may.

@@ -35,7 +35,7 @@ struct LearntMetrics {
 class SurrogateModel {
  public:
   struct Options {
-    std::size_t points = 400;  // of the archive, at most
+    std::size_t points = 250;  // of the archive, at most
     std::size_t fitted = 160;  // of those, for hyperparameters
   };
 

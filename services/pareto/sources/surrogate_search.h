@@ -36,7 +36,7 @@ class SurrogateSearch {
  public:
   struct Options {
     SurrogateModel::Options model;
-    int candidates = 600;  // before slopes are followed; a quarter of them fills the space
+    int candidates = 400;  // before slopes are followed; a quarter of them fills the space
     int ascents = 6;       // of the best of those
     int steps = 40;        // of an ascent, at most
   };

@@ -15,6 +15,7 @@
 #include "services/pareto/archive/hypervolume.h"
 #include "tests/bench/pareto/benchmark_formula.h"
 #include "tests/bench/pareto/mixed_problems.h"
+#include "tests/bench/pareto/winding_problems.h"
 
 namespace mortise::pareto {
 namespace {
@@ -496,6 +497,7 @@ std::vector<std::string> BenchmarkNames() {
   std::vector<std::string> names = {"ZDT1",    "ZDT2",    "ZDT3",  "ZDT4",  "ZDT6",  "DTLZ1",
                                     "DTLZ2",   "DTLZ3",   "DTLZ4", "DTLZ5", "DTLZ6", "DTLZ7",
                                     "Kursawe", "Fourier", "BNH",   "SRN",   "TNK",   "OSY"};
+  for (const std::string& winding : WindingNames()) names.push_back(winding);
   for (const std::string& mixed : MixedNames()) names.push_back(mixed);
   return names;
 }
@@ -510,6 +512,7 @@ int PublishedDimensions(const std::string& name, int metrics) {
   if (lower.starts_with("dtlz")) return position + 10;
   if (lower == "bnh" || lower == "srn" || lower == "tnk") return 2;
   if (lower == "osy") return 6;
+  if (WindingDimensions(lower) > 0) return WindingDimensions(lower);
   return lower == "kursawe" || lower == "fourier" ? 3 : MixedDimensions(lower);
 }
 
@@ -542,6 +545,7 @@ absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, i
     return InvalidField("variant", "only ZDT and DTLZ problems can be shifted or rotated");
   }
   if (lower == "fourier") return MakeFourier(dimensions, variant);
+  if (WindingDimensions(lower) > 0) return MakeWindingProblem(name, dimensions);
   if (MixedDimensions(lower) > 0) return MakeMixedProblem(name, dimensions);
   if (dimensions != PublishedDimensions(lower)) {
     return InvalidField("dimensions", absl::StrCat(name, " has ", PublishedDimensions(lower)));

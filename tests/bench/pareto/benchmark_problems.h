@@ -40,10 +40,10 @@ struct BenchmarkVariant {
 // ZDT1, 2, 3, 4, 6 (Zitzler, Deb, Thiele 2000; D >= 2), DTLZ1 to 7 (Deb, Thiele, Laumanns, Zitzler
 // 2002; two to six metrics, D >= d), Kursawe (1991; D = 3), and Fourier (Eq. 7.7 with K = 3; two to
 // six metrics, x in [0, 2 pi]^D). With constraints: BNH (Binh, Korn 1997; D = 2), SRN (Srinivas,
-// Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). With
-// choices and whole numbers those of mixed_problems.h. Names are as written here, in any case.
-// INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for those that are not ZDT or DTLZ,
-// "variant".
+// Deb 1994; D = 2), TNK (Tanaka and others 1995; D = 2) and OSY (Osyczka, Kundu 1995; D = 6). Those
+// of winding_problems.h. With choices and whole numbers those of mixed_problems.h. Names are as
+// written here, in any case. INVALID_ARGUMENT naming "name", "dimensions", "metrics" or, for those
+// that are not ZDT or DTLZ, "variant".
 absl::StatusOr<BenchmarkProblem> MakeBenchmarkProblem(const std::string& name, int dimensions,
                                                       const BenchmarkVariant& variant = {});
 

@@ -306,7 +306,7 @@ void AddOptions(CLI::App& app, BenchmarkOptions& options) {
   app.add_flag("--rounded", options.rounded,
                "Choices and whole numbers as parameters like others, to compare");
   app.add_option("--surrogate", options.surrogate,
-                 "Whether a surrogate proposes designs: auto (where evaluations are scarce), "
+                 "Whether a surrogate proposes designs: auto (as much as it earns), "
                  "always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->capture_default_str();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -108,6 +109,37 @@ TEST(BenchmarkProblemsTest, TrueHypervolumesAreThoseOfTheirOptima) {
   }
   EXPECT_EQ(MakeBenchmarkProblem("DTLZ4", 5)->hypervolume,
             MakeBenchmarkProblem("DTLZ2", 5)->hypervolume);
+}
+
+// The parameters that are best beside a first one, and what the front is there.
+TEST(BenchmarkProblemsTest, WindingProblemsHaveTheirFrontsWhereTheyWind) {
+  constexpr int kSize = 7;
+  const auto metrics = [](const char* name, const Eigen::VectorXd& x) {
+    return MakeBenchmarkProblem(name, kSize)->evaluate(x, false).metrics;
+  };
+  for (const double first : {0.1, 0.4, 0.9}) {
+    Eigen::VectorXd x(kSize);
+    x[0] = first;
+    for (int j = 2; j <= kSize; ++j) {
+      x[j - 1] = std::sin(6 * std::numbers::pi * first + j * std::numbers::pi / kSize);
+    }
+    EXPECT_NEAR(metrics("UF1", x)[0], first, 1e-12);
+    EXPECT_NEAR(metrics("UF1", x)[1], 1 - std::sqrt(first), 1e-12);
+    EXPECT_NEAR(metrics("UF7", x).sum(), 1, 1e-12);
+    x[3] += 0.1;  // parameter 4 adds to the second metric: 2 / 3 of its square
+    EXPECT_NEAR(metrics("UF1", x)[1], 1 - std::sqrt(first) + 2.0 / 3 * 0.01, 1e-12);
+  }
+  Eigen::VectorXd z(kSize);
+  for (int i = 0; i < kSize; ++i) z[i] = 0.35 * 2 * (i + 1);
+  EXPECT_NEAR(metrics("WFG4", z)[0], 0, 1e-12);
+  EXPECT_NEAR(metrics("WFG4", z)[1], 4, 1e-12);
+  z[0] = 0;
+  const Eigen::VectorXd on = metrics("WFG4", z);
+  EXPECT_NEAR(std::hypot(on[0] / 2, on[1] / 4), 1, 1e-12);
+  EXPECT_GT(on[0], 0.1);
+  z[5] = 0;
+  const Eigen::VectorXd off = metrics("WFG4", z);
+  EXPECT_GT(std::hypot(off[0] / 2, off[1] / 4), 1.01);
 }
 
 TEST(BenchmarkProblemsTest, VariantsKeepTheFrontAndMoveTheOptima) {

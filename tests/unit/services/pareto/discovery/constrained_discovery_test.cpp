@@ -20,6 +20,7 @@ BenchmarkResult Benchmark(const std::string& name, std::int64_t evaluations, std
                           bool gradients = false) {
   Discovery::Options options;
   options.evaluations = evaluations;
+  options.surrogate = Discovery::Surrogate::kNever;
   options.seed = seed;
   options.stall_tracks = 0;
   options.surrogate = Discovery::Surrogate::kNever;

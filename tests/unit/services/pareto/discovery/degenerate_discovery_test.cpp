@@ -26,6 +26,7 @@ std::unique_ptr<Discovery> Complete(const std::function<VectorXd(const VectorXd&
   const DesignSpace space{VectorXd::Zero(parameters), VectorXd::Ones(parameters)};
   Discovery::Options options;
   options.evaluations = evaluations;
+  options.surrogate = Discovery::Surrogate::kNever;
   const Eigen::Index d = metrics(space.lower).size();
   auto discovery = *Discovery::Create(space, d, options);
   while (!discovery->Finished()) {
@@ -148,6 +149,7 @@ TEST(DegenerateDiscoveryTest, EvaluatesNoDesignTwiceWhereValuesHaveSteps) {
   for (const std::uint64_t seed : {1, 2}) {
     Discovery::Options options;
     options.evaluations = 1000;
+    options.surrogate = Discovery::Surrogate::kNever;
     options.seed = seed;
     options.stall_tracks = 0;
     auto discovery = *Discovery::Create(space, 2, options);

@@ -34,6 +34,7 @@ double Share(const std::string& name, int dimensions, std::int64_t evaluations, 
   const BenchmarkProblem problem = *MakeBenchmarkProblem(name, dimensions);
   Discovery::Options options;
   options.evaluations = evaluations;
+  options.surrogate = Discovery::Surrogate::kNever;
   options.seed = seed;
   const auto discovery =
       Complete(problem.space, problem.metric_count, options,
@@ -225,6 +226,7 @@ TEST(DiscoveryTest, FrontPointsAreEvaluatedNonDominatedAndWithinBounds) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem("DTLZ2", 7);
   Discovery::Options options;
   options.evaluations = 400;
+  options.surrogate = Discovery::Surrogate::kNever;
   const auto discovery = Complete(problem.space, 3, options,
                                   [&](const VectorXd& x) { return problem.evaluate(x, true); });
   const Front front = discovery->front();
@@ -322,6 +324,7 @@ TEST(DiscoveryTest, NamesTheFieldOfBadInput) {
   const auto create = [](double lower, double upper, Eigen::Index d, std::int64_t evaluations) {
     Discovery::Options options;
     options.evaluations = evaluations;
+    options.surrogate = Discovery::Surrogate::kNever;
     return Discovery::Create({VectorXd::Constant(2, lower), VectorXd::Constant(2, upper)}, d,
                              options)
         .status();

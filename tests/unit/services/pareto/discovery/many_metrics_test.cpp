@@ -30,6 +30,7 @@ class ManyMetrics : public testing::TestWithParam<int> {
     problem_ = *MakeBenchmarkProblem("DTLZ2", PublishedDimensions("DTLZ2", d), {.metrics = d});
     Discovery::Options options;
     options.evaluations = evaluations;
+    options.surrogate = Discovery::Surrogate::kNever;
     options.stall_tracks = 0;
     return *RunBenchmark(problem_, options, true);
   }

@@ -44,18 +44,20 @@ TEST(SearchPolicyTest, LargerBudgetsAllowForMore) {
   EXPECT_FALSE(SearchPolicy(WithBudget(5000), 10, 3).Finishing().is_ample);
 }
 
-TEST(SearchPolicyTest, SurrogateIsForSmallBudgetsWithoutGradients) {
-  EXPECT_TRUE(SearchPolicy(WithBudget(300), 2, 2).UsesSurrogate(false));
-  EXPECT_FALSE(SearchPolicy(WithBudget(300), 2, 2).UsesSurrogate(true));
-  EXPECT_FALSE(SearchPolicy(WithBudget(301), 2, 2).UsesSurrogate(false));
-  EXPECT_TRUE(SearchPolicy(WithBudget(600), 20, 2).UsesSurrogate(false));
-  EXPECT_FALSE(SearchPolicy(WithBudget(1000), 40, 2).UsesSurrogate(false));
-  EXPECT_FALSE(SearchPolicy(WithBudget(100), 41, 2).UsesSurrogate(false));
+TEST(SearchPolicyTest, SurrogateIsForTheFirstThousandEvaluationsWithoutGradients) {
+  const SearchPolicy policy(WithBudget(100'000), 40, 2);
+  EXPECT_TRUE(policy.UsesSurrogate(false, 50));
+  EXPECT_TRUE(policy.UsesSurrogate(false, 999));
+  EXPECT_FALSE(policy.UsesSurrogate(false, 1000));
+  EXPECT_FALSE(policy.UsesSurrogate(true, 50));
+  EXPECT_FALSE(SearchPolicy(WithBudget(100), 41, 2).UsesSurrogate(false, 50));
+  EXPECT_FALSE(policy.FixedSurrogateShare());
   DiscoveryOptions options = WithBudget(100'000);
   options.surrogate = DiscoveryOptions::Surrogate::kAlways;
-  EXPECT_TRUE(SearchPolicy(options, 41, 2).UsesSurrogate(true));
+  EXPECT_TRUE(SearchPolicy(options, 41, 2).UsesSurrogate(true, 5000));
+  EXPECT_TRUE(SearchPolicy(options, 41, 2).FixedSurrogateShare());
   options.surrogate = DiscoveryOptions::Surrogate::kNever;
-  EXPECT_FALSE(SearchPolicy(options, 2, 2).UsesSurrogate(false));
+  EXPECT_FALSE(SearchPolicy(options, 2, 2).UsesSurrogate(false, 0));
 }
 
 TEST(SearchPolicyTest, PatienceEndsFirstForPiecesAndThenForAll) {

@@ -54,7 +54,7 @@ TEST(SurrogateDiscoveryTest, FindsMostOfAFrontWithVeryFewEvaluations) {
   const auto discovery = Complete(problem, options, Plainly(problem));
   EXPECT_GT(Share(*discovery, problem), 0.94);
   const SurrogateQuality quality = discovery->summary().surrogate;
-  EXPECT_GT(quality.proposals, 25);
+  EXPECT_GT(quality.proposals, 8);
   EXPECT_EQ(quality.predictions, 2 * quality.proposals);
   EXPECT_GT(quality.within_two_deviations, 0.7);
 }
@@ -98,7 +98,7 @@ TEST(SurrogateDiscoveryTest, IsTheSameInWhateverOrderAnswersCome) {
   EXPECT_EQ(one->summary().surrogate.median_error, six->summary().surrogate.median_error);
 }
 
-TEST(SurrogateDiscoveryTest, TakesPartWhereEvaluationsAreScarceOrItIsAskedTo) {
+TEST(SurrogateDiscoveryTest, TakesPartUnlessThereAreGradientsOrItIsAskedNotTo) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem("ZDT1", 3);
   const auto proposals = [&](std::int64_t evaluations, Discovery::Surrogate surrogate,
                              bool gradients) {
@@ -112,7 +112,7 @@ TEST(SurrogateDiscoveryTest, TakesPartWhereEvaluationsAreScarceOrItIsAskedTo) {
   EXPECT_EQ(proposals(20, Surrogate::kAutomatic, true), 0);
   EXPECT_GT(proposals(20, Surrogate::kAlways, true), 0);
   EXPECT_EQ(proposals(20, Surrogate::kNever, false), 0);
-  EXPECT_EQ(proposals(400, Surrogate::kAutomatic, false), 0);
+  EXPECT_GT(proposals(400, Surrogate::kAutomatic, false), 0);
 }
 
 }  // namespace

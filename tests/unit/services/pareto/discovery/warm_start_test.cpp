@@ -117,6 +117,7 @@ TEST(WarmStartTest, FindsAMovedFrontSoon) {
   const BenchmarkProblem problem = *MakeBenchmarkProblem("ZDT1", 15, {.shifted = true});
   Discovery::Options options;
   options.evaluations = 1000;
+  options.surrogate = Discovery::Surrogate::kNever;
   const BenchmarkResult before = *RunBenchmark(problem, options, false);
   EarlierFront earlier;
   const auto count = static_cast<Eigen::Index>(before.front.points.size());
