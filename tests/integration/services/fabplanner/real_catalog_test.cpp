@@ -38,7 +38,16 @@ class RealCatalogTest : public ::testing::Test {
     return PlanOf(request);
   }
 
-  v1::Plan PlanOf(v1::CreatePlanRequest request) {
+  v1::Plan PlanOf(const v1::CreatePlanRequest& request) {
+    const v1::Operation operation = Planned(request);
+    EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
+    v1::Plan plan;
+    EXPECT_TRUE(operation.result().UnpackTo(&plan));
+    return plan;
+  }
+
+  // The operation, ended.
+  v1::Operation Planned(v1::CreatePlanRequest request) {
     request.set_request_id("plan-" + std::to_string(++plans_));
     v1::Operation operation;
     auto context = Context();
@@ -54,10 +63,7 @@ class RealCatalogTest : public ::testing::Test {
            operation.state() != v1::Operation::FAILED && told->Read(&operation)) {
     }
     context->TryCancel();
-    EXPECT_EQ(operation.state(), v1::Operation::SUCCEEDED) << operation.error().message();
-    v1::Plan plan;
-    EXPECT_TRUE(operation.result().UnpackTo(&plan));
-    return plan;
+    return operation;
   }
 
   // Every part comes in with one step; what is cut is laid out once.
@@ -191,6 +197,50 @@ TEST_F(RealCatalogTest, AnEndThatNoSawCutsTellsTheNearestParameter) {
   lean->set_name("lean");
   lean->set_value(0.872);
   EXPECT_EQ(PlanOf(request).parts(0).beyond_machines_size(), 0);
+}
+
+// Of the shelf that ships the back comes last; of one whose shelves are to come in after what holds
+// them nobody can.
+TEST_F(RealCatalogTest, PrioritiesAreFollowedOrTheirContradictionIsNamed) {
+  const v1::Plan plan = PlanOf("templates/bookshelf");
+  ExpectWhole(plan);
+  ASSERT_GT(plan.steps_size(), 0);
+  EXPECT_THAT(plan.steps(plan.steps_size() - 1).added_parts(), Contains("back"));
+
+  const auto stub = v1::AssemblyService::NewStub(catalog_.channel());
+  v1::GetAssemblyRequest asked;
+  asked.set_name("assemblies/bookshelf");
+  v1::ImportAssemblyRequest import;
+  auto context = Context();
+  ASSERT_TRUE(stub->GetAssembly(context.get(), asked, import.mutable_assembly()).ok());
+  v1::Assembly& contrary = *import.mutable_assembly();
+  contrary.set_name("assemblies/contrary-shelf");
+  contrary.clear_revision();
+  contrary.clear_create_time();
+  contrary.clear_digest();
+  contrary.clear_creator();
+  for (v1::AssemblyPart& part : *contrary.mutable_parts()) {
+    if (part.name() == "shelf") part.set_priority(5);
+  }
+  import.set_request_id("contrary");
+  v1::Assembly imported;
+  context = Context();
+  grpc::Status status = stub->ImportAssembly(context.get(), import, &imported);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  v1::ImportTemplateRequest expose;
+  expose.set_request_id("expose-contrary");
+  expose.mutable_template_()->set_name("templates/contrary");
+  expose.mutable_template_()->mutable_assembly()->set_assembly(imported.name());
+  v1::Template made;
+  context = Context();
+  status =
+      v1::CatalogService::NewStub(catalog_.channel())->ImportTemplate(context.get(), expose, &made);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  v1::CreatePlanRequest request;
+  request.set_template_("templates/contrary");
+  const v1::Operation refused = Planned(request);
+  EXPECT_EQ(refused.state(), v1::Operation::FAILED);
+  EXPECT_THAT(refused.error().message(), ::testing::HasSubstr("(5) comes in after 'screw left"));
 }
 
 TEST_F(RealCatalogTest, AnAssemblyDrawnInCad) {

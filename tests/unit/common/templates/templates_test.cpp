@@ -1,5 +1,6 @@
 // One interface to all kinds of templates: parts and features here, assemblies in their own file.
 #include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -335,6 +336,28 @@ TEST(TemplatesTest, DesignsThatCannotBeMadeAtTheEndsAreRefused) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("at handle_length = 0.24"));
   EXPECT_THAT(DetailOf(status).field, HasSubstr("cad.features["));
+}
+
+// A bore that crosses the rounded edge, as deep as the fillet is wide: the kernel crashes over it.
+TEST(TemplatesTest, DesignsThatTheKernelCrashesOverAreRefused) {
+  v1::TemplateBundle bundle = ShippedTemplate("templates/wrench");
+  v1::CadTemplate& cad = *bundle.mutable_template_()->mutable_cad();
+  cad.clear_features();
+  cad.clear_metric_definitions();
+  ASSERT_TRUE(google::protobuf::TextFormat::MergeFromString(
+      "features { name: 'outline' sketch { plane { normal { x: '1' } } profiles { name: 'section' "
+      "rectangle { center { x: '0.02' y: '0.02' } width: '0.04' height: '0.04' } } } } "
+      "features { name: 'bar' extrude { sketch: 'outline' to: '0.4' } } "
+      "features { name: 'bore' hole { face: 'bar.section.top' position { x: '0.2' y: '0' z: "
+      "'0.04' } diameter: '0.008' } } "
+      "features { name: 'round' fillet { edges: 'bar.section.bottom & bar.section.left' radius: "
+      "'0.004' } }",
+      &cad));
+  const absl::Status status = FillAndCheck(bundle, Trial::kThorough);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(DetailOf(status).field, "cad.features[3].fillet.radius") << status;
+  EXPECT_THAT(status.message(), AllOf(HasSubstr("'round'"), HasSubstr("0.004 m"),
+                                      HasSubstr("bar.section.bottom & bar.section.left")));
 }
 
 TEST(TemplatesTest, SummariesTellTheKindAndNoMore) {
