@@ -19,7 +19,7 @@ using Field = std::shared_ptr<const HeightField>;
 // moved about; heights are those of `height_at`.
 template <typename HeightAt>
 HeightTriangles Patchwork(int count, std::mt19937& random, HeightAt height_at) {
-  std::uniform_real_distribution<double> shift(-0.3, 0.3);
+  std::uniform_real_distribution<double> shift(-0.2, 0.2);
   HeightTriangles patches;
   const int lines = count + 1;
   patches.vertices.resize(3, lines * lines);
