@@ -56,8 +56,8 @@ TEST_F(PlaceCommand, PutsTheDeckOnTheTerrainsThatShip) {
                        Place({"--height-field", Shipped("hillside.asc"), "--origin",
                               "451230,5411872", "--datum", "312.4m", "--label", "customer=acme"}));
   EXPECT_EQ(hillside["title"], "Deck on hillside");
-  EXPECT_EQ(hillside["placedTemplate"], "templates/deck");
-  EXPECT_EQ(hillside["heightFields"][0]["datum"], 312.4);
+  EXPECT_EQ(hillside["placed_template"], "templates/deck");
+  EXPECT_EQ(hillside["height_fields"][0]["datum"], 312.4);
   EXPECT_EQ(hillside["labels"]["customer"], "acme");
   ASSERT_OK_AND_ASSIGN(const Json hollow, Place({"--height-field", Shipped("hollow.csv"), "--title",
                                                  "the hollow", "--revision", "1"}));
