@@ -215,8 +215,10 @@ class StreamingCall final : public ClientCall,
 class StreamedUpload final : public UploadCall,
                              public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  void Begin(std::shared_ptr<StreamedUpload> self, GenericStub& stub, const CallHead& head) {
+  void Begin(std::shared_ptr<StreamedUpload> self, GenericStub& stub, const CallHead& head,
+             std::function<void()> answered) {
     self_ = std::move(self);
+    when_answered_ = std::move(answered);
     Prepare(context_, head);
     stub.PrepareBidiStreamingCall(&context_, head.path, {}, this);
     AddHold();            // Writes begin outside of gRPC's callbacks.
@@ -243,7 +245,10 @@ class StreamedUpload final : public UploadCall,
   const grpc::Status& status() const override { return status_; }
   void Cancel() override { context_.TryCancel(); }
 
-  void OnReadDone(bool ok) override { answered_ = ok; }
+  void OnReadDone(bool ok) override {
+    answered_ = ok;
+    when_answered_();
+  }
   void OnWriteDone(bool ok) override { written_.Give(ok); }
 
   void OnDone(const grpc::Status& status) override {
@@ -268,6 +273,7 @@ class StreamedUpload final : public UploadCall,
   grpc::ClientContext context_;
   grpc::ByteBuffer message_;
   grpc::ByteBuffer answer_;
+  std::function<void()> when_answered_;
   bool answered_ = false;  // until OnDone of gRPC's threads alone
   bool refused_ = false;
   grpc::Status status_;
@@ -294,9 +300,10 @@ std::shared_ptr<ClientCall> ClientCall::StartStreaming(GenericStub& stub, const 
   return std::shared_ptr<ClientCall>(call.get(), [call](ClientCall*) { call->Abandon(); });
 }
 
-std::shared_ptr<UploadCall> UploadCall::Start(GenericStub& stub, const CallHead& head) {
+std::shared_ptr<UploadCall> UploadCall::Start(GenericStub& stub, const CallHead& head,
+                                              std::function<void()> answered) {
   auto call = std::make_shared<StreamedUpload>();
-  call->Begin(call, stub, head);
+  call->Begin(call, stub, head, std::move(answered));
   return std::shared_ptr<UploadCall>(call.get(), [call](UploadCall*) { call->Abandon(); });
 }
 

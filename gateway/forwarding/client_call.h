@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,7 +61,10 @@ class ClientCall {
 // Used by one coroutine, apart from Cancel. Dropping the handle cancels what is left of the call.
 class UploadCall {
  public:
-  static std::shared_ptr<UploadCall> Start(GenericStub& stub, const CallHead& head);
+  // `answered` is called once, from another thread, as soon as the service has answered or the call
+  // is over: it wants no more then.
+  static std::shared_ptr<UploadCall> Start(GenericStub& stub, const CallHead& head,
+                                           std::function<void()> answered);
   virtual ~UploadCall() = default;
 
   // Sends a message, and waits until there is room for the next one. False if the call is over,

@@ -73,6 +73,7 @@ class Connection final : public HttpConnection,
     lost_ = false;
     answer_headers_.clear();
     pieces_.reset();
+    stopped_ = false;
     received_ = 0;
     waited_ = {};
     parser_.emplace();
@@ -126,7 +127,7 @@ class Connection final : public HttpConnection,
 
   asio::awaitable<HttpReadResult> ReadPiece(std::string& piece, std::size_t most) override {
     piece.clear();
-    if (BodyIsOver()) co_return HttpReadResult::kRead;
+    if (stopped_ || BodyIsOver()) co_return HttpReadResult::kRead;
     error_code error;
     if (!pieces_) {
       lost_ = true;  // until it comes to its end
@@ -139,7 +140,8 @@ class Connection final : public HttpConnection,
     body.data = piece.data();
     body.size = most;
     const auto limit = std::make_shared<Limit>(stream_.get_executor());
-    while (!error && body.size > 0 && !pieces_->is_done()) {
+    reading_piece_ = true;
+    while (!error && !stopped_ && body.size > 0 && !pieces_->is_done()) {
       const auto begin = std::chrono::steady_clock::now();
       const std::chrono::microseconds earned(received_ * 1000000 / patience_.least_rate);
       Arm(limit, begin + patience_.body + earned - waited_);
@@ -148,13 +150,27 @@ class Connection final : public HttpConnection,
       waited_ += std::chrono::steady_clock::now() - begin;
       if (error == http::error::need_buffer) error = {};
     }
+    reading_piece_ = false;
     limit->over = true;
     limit->timer.cancel();
-    piece.resize(most - body.size);
+    piece.resize(stopped_ ? 0 : most - body.size);
+    if (stopped_) co_return HttpReadResult::kRead;
     if (limit->passed) co_return HttpReadResult::kTooSlow;
     if (error) co_return ResultOf(error);
     if (pieces_->is_done()) lost_ = false;
     co_return HttpReadResult::kRead;
+  }
+
+  std::function<void()> PieceStopper() override {
+    return [weak = this->weak_from_this()] {
+      const auto self = weak.lock();
+      if (self == nullptr) return;
+      asio::post(self->stream_.get_executor(), [self] {
+        self->stopped_ = true;
+        error_code ignored;
+        if (self->reading_piece_) self->Socket().cancel(ignored);
+      });
+    };
   }
 
   asio::awaitable<bool> DropBody() override {
@@ -402,6 +418,8 @@ class Connection final : public HttpConnection,
   std::optional<http::request_parser<http::string_body>> parser_;  // of the request in hand
   // Of its body, once that is read in pieces; parser_ then has only what is known of the head.
   std::optional<http::request_parser<http::buffer_body>> pieces_;
+  bool reading_piece_ = false;
+  bool stopped_ = false;                             // nobody wants more pieces
   uint64_t received_ = 0;                            // bytes of a body that is read in pieces,
   std::chrono::steady_clock::duration waited_ = {};  // and the time that they took
   HeaderList answer_headers_;

@@ -70,6 +70,11 @@ class HttpConnection {
   virtual boost::asio::awaitable<HttpReadResult> ReadPiece(std::string& piece,
                                                            std::size_t most) = 0;
 
+  // Returns what ends a ReadPiece that waits, and every later one of the request in hand, as if the
+  // body were over, while the client may still send. To be called from any thread, also when the
+  // connection is no more.
+  virtual std::function<void()> PieceStopper() = 0;
+
   // When a request has been answered: takes and drops its body if that has not been read. False if
   // it is too much; answers have then told the client that the connection will be closed.
   virtual boost::asio::awaitable<bool> DropBody() = 0;

@@ -153,8 +153,8 @@ asio::awaitable<bool> HandleUpload(HttpConnection& connection, const HttpContext
   if (!size) co_return co_await RefuseLength(connection, keep_alive) && keep_alive;
   const ConnectionTokenEnd token_end(co_await asio::this_coro::executor, connection,
                                      *start->caller);
-  const auto call =
-      UploadCall::Start(*context.stub, {method.path, MetadataOf(request), std::nullopt});
+  const auto call = UploadCall::Start(
+      *context.stub, {method.path, MetadataOf(request), std::nullopt}, connection.PieceStopper());
   const HttpReadResult read = co_await PassOn(connection, *call, FirstPiece(*start, request));
   if (read != HttpReadResult::kRead) {
     call->Cancel();

@@ -158,12 +158,14 @@ struct FakeHouse::Services {
     grpc::Status UploadBlob(grpc::ServerContext* context, grpc::ServerReader<v1::Chunk>* reader,
                             v1::UploadBlobResponse* response) override {
       int64_t bytes = 0;
+      int64_t total = 0;
       std::string about;
       v1::Chunk chunk;
       while (reader->Read(&chunk)) {
         house_.Count(&Counts::uploaded);
         if (chunk.total_size() > int64_t{1} << 30)
           return rpc::ToGrpc(TooLarge("the file", "1 GiB"));
+        total = std::max(total, chunk.total_size());
         if (chunk.offset() == 0) about = chunk.media_type() + chunk.sha256();
         bytes += static_cast<int64_t>(chunk.data().size());
         if (chunk.media_type() == "test/stall") {
@@ -171,7 +173,7 @@ struct FakeHouse::Services {
           return grpc::Status::CANCELLED;
         }
       }
-      if (context->IsCancelled()) house_.Count(&Counts::cancelled);
+      if (bytes < total) house_.Count(&Counts::cancelled);
       response->set_sha256(std::to_string(bytes) + about);
       return grpc::Status::OK;
     }

@@ -52,6 +52,7 @@ HttpAnswer Http(const std::string& address, const std::string& method, const std
     http::response_parser<http::string_body> parser;
     // An endless stream sends what the machine can until its deadline.
     parser.body_limit(boost::none);
+    parser.skip(method == "HEAD");
     http::read(stream, buffer, parser);
     answer.status = parser.get().result_int();
     for (const auto& field : parser.get()) {
