@@ -56,7 +56,7 @@ TEST_F(IntegrationPage, DoesTheWholeJob) {
   EXPECT_THAT(Read("design.glb"), StartsWith("glTF"));
   EXPECT_THAT(Read("stress.png"), HasSubstr("PNG"));
   EXPECT_THAT(Read("front.csv"), HasSubstr("mass"));
-  EXPECT_THAT(Read("bom.csv"), HasSubstr(","));
+  EXPECT_THAT(Read("bill-of-materials.csv"), HasSubstr(","));
   EXPECT_THAT(Read("items.csv"), HasSubstr("items/hex-bolt"));
   EXPECT_THAT(Read("secret.json"), HasSubstr("whsec_"));
   EXPECT_THAT(Read("order.json"), HasSubstr("COMPLETED"));
