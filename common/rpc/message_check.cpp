@@ -62,17 +62,23 @@ using Violations = std::vector<FieldViolation>;
 
 void CheckInto(const Message& message, Violations& violations);
 
-void CheckFinite(double value, Violations& violations) {
-  if (!std::isfinite(value)) violations.push_back({"", "must be a finite number"});
+// Whether no number says that nothing is known, as the contract has it.
+bool MayBeUnknown(const FieldDescriptor* field) {
+  return field->full_name() == "mortise.v1.HeightGrid.heights";
+}
+
+void CheckFinite(const FieldDescriptor* field, double value, Violations& violations) {
+  if (std::isfinite(value) || (std::isnan(value) && MayBeUnknown(field))) return;
+  violations.push_back({"", "must be a finite number"});
 }
 
 // Violations have the path below this place as their fields; the caller puts the rest before it.
 void CheckPlace(const Place& place, Violations& violations) {
   switch (place.field->cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      return CheckFinite(place.Double(), violations);
+      return CheckFinite(place.field, place.Double(), violations);
     case FieldDescriptor::CPPTYPE_FLOAT:
-      return CheckFinite(place.Float(), violations);
+      return CheckFinite(place.field, place.Float(), violations);
     case FieldDescriptor::CPPTYPE_ENUM: {
       const int value = place.Enum();
       if (place.field->enum_type()->FindValueByNumber(value) != nullptr) return;

@@ -9,6 +9,7 @@
 
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "mortise/v1/template.pb.h"
 #include "probe.pb.h"
 #include "tests/support/status_assertions.h"
 
@@ -56,6 +57,19 @@ TEST(MessageCheckTest, NamesTheNumberThatIsNotFinite) {
   testing::ReadRequest mapped;
   (*mapped.mutable_by_name())["left"].set_number(kNaN);
   ExpectRefused(mapped, "by_name[\"left\"].number", "must be a finite number");
+}
+
+// As mortise/v1/template.proto says.
+TEST(MessageCheckTest, LetsHeightsBeUnknown) {
+  v1::Template message;
+  v1::HeightGrid& grid = *message.add_height_fields()->mutable_grid();
+  grid.add_heights(kNaN);
+  EXPECT_OK(CheckMessage(message));
+  grid.add_heights(kInfinity);
+  EXPECT_EQ(DetailOf(CheckMessage(message)).field, "height_fields[0].grid.heights[1]");
+  grid.set_heights(1, 2);
+  grid.set_x(kNaN);
+  EXPECT_EQ(DetailOf(CheckMessage(message)).field, "height_fields[0].grid.x");
 }
 
 TEST(MessageCheckTest, NamesAllOfThemButNotThousands) {
