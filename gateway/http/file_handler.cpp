@@ -138,8 +138,14 @@ class FileSender {
   }
 
   asio::awaitable<bool> End() {
-    if (gzip_ != nullptr && !co_await Put({}, true)) co_return false;
-    co_return !chunked_ || co_await connection_.EndChunks();
+    // Each wait stands by itself: g++ 12 makes a trap of one that is made or not within a term.
+    if (gzip_ != nullptr) {
+      const bool put = co_await Put({}, true);
+      if (!put) co_return false;
+    }
+    if (!chunked_) co_return true;
+    const bool ended = co_await connection_.EndChunks();
+    co_return ended;
   }
 
  private:
@@ -199,10 +205,13 @@ asio::awaitable<bool> AnswerFile(HttpConnection& connection, const HttpRequest& 
     co_return co_await connection.Write(kNotModified, answer.headers, "", keep_alive);
   }
   const bool chunked = !answer.sized || answer.compressed;
-  const bool begun =
-      chunked ? co_await connection.BeginChunks(answer.status, answer.headers, keep_alive)
-              : co_await connection.BeginBytes(answer.status, answer.headers, answer.range.size(),
-                                               keep_alive);
+  bool begun = false;
+  if (chunked) {
+    begun = co_await connection.BeginChunks(answer.status, answer.headers, keep_alive);
+  } else {
+    begun = co_await connection.BeginBytes(answer.status, answer.headers, answer.range.size(),
+                                           keep_alive);
+  }
   if (!begun || request.method() == verb::head) co_return begun;
   co_return co_await SendFile(connection, call, std::move(first), answer);
 }

@@ -7,6 +7,8 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 
 #include "absl/strings/ascii.h"
 #include "common/base/files.h"
@@ -51,7 +53,7 @@ HttpAnswer Http(const std::string& address, const std::string& method, const std
     beast::flat_buffer buffer;
     http::response_parser<http::string_body> parser;
     // An endless stream sends what the machine can until its deadline.
-    parser.body_limit(boost::none);
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     parser.skip(method == "HEAD");
     http::read(stream, buffer, parser);
     answer.status = parser.get().result_int();
