@@ -36,7 +36,7 @@ CHOICES = (
 # The ground below decks: a file beside the deck, the place in it that becomes the origin, and parameters.
 DECKS = (
     ("a hillside", "hillside.asc", "451230,5411872", "width=2.98"),
-    ("a hollow", "hollow.csv", "0,0", "railing=none"),
+    ("a hollow", "hollow.csv", "0,0", "infill=1"),
     ("a bank", "bank.obj", "0,0", "depth=2.36 infill=4"),
 )
 
