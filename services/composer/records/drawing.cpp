@@ -138,6 +138,7 @@ absl::Status AddPart(const parametric::Assembly& assembly, std::size_t i, const 
                            CopyOf(from, names.Of(*from.drawing).parts));
   v1::AssemblyPart* const message = bundle->mutable_assembly()->add_parts();
   *message = *source;
+  if (!from.keeps_priority) message->clear_priority();
   message->set_name(part.name);
   message->set_group(GroupName(assembly, part.group));
   PutIntoBox(part, message);

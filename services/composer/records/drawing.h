@@ -47,6 +47,7 @@ absl::StatusOr<Drawing> ReadDrawing(const v1::AssemblyBundle& bundle);
 struct CopiedFrom {
   const Drawing* drawing = nullptr;
   std::string name;
+  bool keeps_priority = true;  // of a part: that of its coming in (AssemblyPart)
 };
 
 // Returns an assembly as a drawing called `name`: each of its parts and joints as the one it is a

@@ -116,7 +116,11 @@ absl::StatusOr<std::shared_ptr<const Drawing>> TakeConnected(
     const Connected& connected, const std::string& component, const MergedFrom& from,
     ModelDrawings& drawings, const IsGivenUp& is_given_up, OpenModel* model) {
   const parametric::Assembly& merged = connected.model.assembly->assembly();
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<CopiedFrom> parts, CopiesOf(connected.parts, from));
+  MORTISE_ASSIGN_OR_RETURN(std::vector<CopiedFrom> parts, CopiesOf(connected.parts, from));
+  // Priorities of two designs do not compare: those of what comes are another expert's.
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].keeps_priority = connected.parts[i].from == Provenance::From::kBody;
+  }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<CopiedFrom> joints, CopiesOf(connected.joints, from));
   MORTISE_ASSIGN_OR_RETURN(Drawing drawn, DrawAnew(BodyName(*model), merged, parts, joints));
   const auto drawing = std::make_shared<const Drawing>(std::move(drawn));
