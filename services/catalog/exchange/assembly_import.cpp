@@ -184,10 +184,10 @@ class Maker {
     for (int i = 0; i < annotations_.parts_size(); ++i) {
       if (used.count(i) == 0) unused.push_back(i);
     }
-    for (FieldViolation& finding :
-         CheckWithoutParts(annotations_, unused, drawn_.assembly.groups(), items_)) {
-      drawn_.findings.push_back(std::move(finding));
-    }
+    const std::vector<FieldViolation> findings =
+        CheckWithoutParts(annotations_, unused, drawn_.assembly.groups(), items_);
+    // First what is wrong in itself; what is missing beside it after that.
+    drawn_.findings.insert(drawn_.findings.begin(), findings.begin(), findings.end());
   }
 
   void SetColor(const cad::StepPart& part, v1::AssemblyPart& message) const {
