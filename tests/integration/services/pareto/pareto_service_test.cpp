@@ -64,7 +64,7 @@ TEST_F(ParetoServiceTest, TellsHowWellItsSurrogateForetold) {
       << operation.progress().message();
   const v1::Front front = FrontOf(operation);
   EXPECT_EQ(front.evaluations(), 40);
-  EXPECT_GT(front.surrogate_quality().proposals(), 15);
+  EXPECT_GT(front.surrogate_quality().proposals(), 8);
   EXPECT_GT(front.surrogate_quality().predictions(), front.surrogate_quality().proposals());
   EXPECT_GT(front.surrogate_quality().within_two_deviations(), 0.5);
   EXPECT_GT(front.surrogate_quality().median_error(), 0);

@@ -213,7 +213,7 @@ TEST(BadTemplate, KernelRefusalsAreErrorsWithAPlace) {
        "features[1].revolve.axis_point", "goes through"},
       {BlockText() + "features { name: 'f' fillet { edges: 'block.outline & block.end' radius: "
                      "'0.5' } }",
-       "features[2].fillet.radius", "too large"},
+       "features[2].fillet.radius", "a radius of 0.019 m can be made"},
       {BlockText() + "features { name: 'h' shell { open_faces: 'block.end' thickness: '0.2' } }",
        "features[2]", ""},
       {BlockText() + "features { name: 's' sketch { profiles { name: 'o' rectangle { width: '1' "
