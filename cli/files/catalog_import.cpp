@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "cli/client/requests.h"
 #include "cli/files/design_check.h"
@@ -140,26 +139,11 @@ absl::StatusOr<v1::ImportCatalogRequest> RequestOf(const Designs& designs) {
   return request;
 }
 
-// Takes "items[" and "]" off "items[3].price", which leaves the 3 and ".price"; nothing where it
-// does not begin so.
-std::optional<std::pair<std::size_t, std::string>> SplitField(const std::string& field,
-                                                              const std::string& list) {
-  if (!field.starts_with(list + "[")) return std::nullopt;
-  const std::size_t end = field.find(']');
-  std::size_t index = 0;
-  if (end == std::string::npos ||
-      !absl::SimpleAtoi(field.substr(list.size() + 1, end - list.size() - 1), &index)) {
-    return std::nullopt;
-  }
-  const std::string rest = field.substr(end + 1);
-  return std::pair(index, rest.starts_with(".") ? rest.substr(1) : rest);
-}
-
 // Where what the catalog says of a field of the request is in the files, if it is of that list.
 template <typename Message>
 std::optional<std::string> PlaceIn(const std::vector<ReadDesign<Message>>& list,
                                    const std::string& name, const std::string& field) {
-  const auto split = SplitField(field, name);
+  const auto split = parametric::ElementOf(field, name);
   if (!split || split->first >= list.size()) return std::nullopt;
   const auto& [index, rest] = *split;
   return absl::StrCat(list[index].Place(rest), rest.empty() ? "" : ".", rest);

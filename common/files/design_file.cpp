@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
@@ -135,6 +136,19 @@ DesignFile ReadDesignFile(const std::filesystem::path& path) {
   if (extension == ".csv") return ParseDesignCsv(*text);
   if (extension == ".json") return ParseDesignJson(*text);
   return ParseDesignText(*text, path.string());
+}
+
+std::optional<std::pair<std::size_t, std::string>> ElementOf(const std::string& field,
+                                                             const std::string& list) {
+  if (!field.starts_with(list + "[")) return std::nullopt;
+  const std::size_t end = field.find(']');
+  std::size_t index = 0;
+  if (end == std::string::npos ||
+      !absl::SimpleAtoi(field.substr(list.size() + 1, end - list.size() - 1), &index)) {
+    return std::nullopt;
+  }
+  const std::string rest = field.substr(end + 1);
+  return std::pair(index, rest.starts_with(".") ? rest.substr(1) : rest);
 }
 
 }  // namespace mortise::parametric

@@ -5,9 +5,11 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/design/template_validation.h"
@@ -42,6 +44,11 @@ struct DesignFile {
 // message.
 std::string PlaceOf(const std::string& place, const std::map<std::string, std::string>& fields,
                     const std::string& field);
+
+// Takes "items[" and "]" off "items[3].price", which leaves the 3 and "price". Nothing where
+// `field` is of no element of `list`.
+std::optional<std::pair<std::size_t, std::string>> ElementOf(const std::string& field,
+                                                             const std::string& list);
 
 // Items as CSV, or materials if there is a column "density": the first row names the columns, each
 // further row is one of them. Whether they make sense is not looked at, except that numbers are

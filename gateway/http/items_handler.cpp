@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/digest.h"
 #include "common/base/errors.h"
@@ -89,24 +88,10 @@ asio::awaitable<absl::StatusOr<std::vector<v1::Item>>> ReadItems(const HttpConte
   co_return items;
 }
 
-// Takes "items[" and "]" off "items[3].price", which leaves the 3 and "price".
-std::optional<std::pair<std::size_t, std::string>> ElementOf(const std::string& field,
-                                                             const std::string& list) {
-  if (!field.starts_with(list + "[")) return std::nullopt;
-  const std::size_t end = field.find(']');
-  std::size_t index = 0;
-  if (end == std::string::npos ||
-      !absl::SimpleAtoi(field.substr(list.size() + 1, end - list.size() - 1), &index)) {
-    return std::nullopt;
-  }
-  const std::string rest = field.substr(end + 1);
-  return std::pair(index, rest.starts_with(".") ? rest.substr(1) : rest);
-}
-
 template <typename Message>
 void PutPlace(const std::vector<parametric::Placed<Message>>& placed, const std::string& list,
               FieldViolation& violation) {
-  const auto element = ElementOf(violation.field, list);
+  const auto element = parametric::ElementOf(violation.field, list);
   if (!element || element->first >= placed.size()) return;
   const auto& read = placed[element->first];
   violation.field = absl::StrCat(parametric::PlaceOf(read.place, read.fields, element->second),
