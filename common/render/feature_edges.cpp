@@ -42,7 +42,8 @@ std::vector<FeatureEdge> FindFeatureEdges(
                                    3;
     front[t] = faces_eye(centre, normals.col(t));
   }
-  const double cosine = std::cos(feature_angle);
+  constexpr double kMoreThanAnyCosine = 2;
+  const double cosine = feature_angle < 0 ? kMoreThanAnyCosine : std::cos(feature_angle);
   std::vector<FeatureEdge> features;
   for (const mesh::SurfaceEdge& edge : surface.edges()) {
     if (edge.low == edge.high) continue;

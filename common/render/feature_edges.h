@@ -14,8 +14,9 @@ struct FeatureEdge {
 };
 
 // Edges with one triangle, or more than two, or whose two triangles' normals differ by more than
-// `feature_angle` (rad), or of which `faces_eye` holds for one triangle and not for the other (the
-// outline). Vertices at the same position count as one, so that surfaces made face by face join.
+// `feature_angle` (rad; negative for all), or of which `faces_eye` holds for one triangle and not
+// for the other (the outline). Vertices at the same position count as one, so that surfaces made
+// face by face join.
 std::vector<FeatureEdge> FindFeatureEdges(
     const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles, double feature_angle,
     const std::function<bool(const Eigen::Vector3d& centre, const Eigen::Vector3d& normal)>&

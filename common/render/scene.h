@@ -41,7 +41,7 @@ struct Shape {
   bool backdrop = false;    // drawn first and unlit, covered by all that is not a backdrop: the
                             // shape before a deformation
   bool edges = true;
-  double feature_angle = 0.5;  // rad
+  double feature_angle = 0.5;  // rad; negative to draw all edges
   double edge_width = 1.2;     // pixels
   Color edge_color{0.15, 0.16, 0.2};
   HiddenEdges hidden_edges = HiddenEdges::kOmit;

@@ -21,6 +21,7 @@ mesh::SurfaceMesh Cube() { return mesh::BoxSurface({0, 0, 0}, {1, 1, 1}); }
 TEST(FeatureEdges, AreThoseOfABoxAndNotItsDiagonals) {
   EXPECT_EQ(CountFeatures(Cube(), 0.5), 12u);
   EXPECT_EQ(CountFeatures(Cube(), 1.6), 0u) << "more than a right angle";
+  EXPECT_EQ(CountFeatures(Cube(), -1), 18u) << "diagonals, too";
   for (const FeatureEdge& edge :
        FindFeatureEdges(Cube().vertices, Cube().triangles, 0.5, NoneFacesEye)) {
     EXPECT_EQ((edge.end - edge.start).norm(), 1);
