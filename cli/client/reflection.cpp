@@ -15,6 +15,7 @@
 #include "absl/strings/strip.h"
 #include "cli/client/generic_call.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::cli {
 namespace {
@@ -129,6 +130,30 @@ absl::StatusOr<std::vector<std::string>> Reflection::ListServices() {
   return names;
 }
 
+namespace {
+
+std::string LastWord(const std::string& name) { return name.substr(name.find_last_of("./") + 1); }
+
+// Says that there is no such method: which one may be meant, or which the service has, or which
+// services there are.
+absl::Status NoSuchMethod(const std::string& name, const std::vector<std::string>& services,
+                          const std::vector<std::string>& methods) {
+  std::string offered;
+  for (const std::string& method : methods) {
+    if (NearestName(LastWord(name), {LastWord(method)})) {
+      offered = absl::StrCat("did you mean '", method, "'? ");
+      break;
+    }
+  }
+  return WithDetail(absl::NotFoundError(absl::StrCat(
+                        "there is no method '", name, "'; ", offered,
+                        methods.empty() ? absl::StrCat("services: ", absl::StrJoin(services, ", "))
+                                        : absl::StrCat("methods: ", absl::StrJoin(methods, ", ")))),
+                    {"RESOURCE_NOT_FOUND", name});
+}
+
+}  // namespace
+
 absl::StatusOr<const google::protobuf::MethodDescriptor*> Reflection::FindMethod(
     const std::string& name) {
   const std::size_t split = name.find_last_of("./");
@@ -152,12 +177,7 @@ absl::StatusOr<const google::protobuf::MethodDescriptor*> Reflection::FindMethod
       candidates.push_back(absl::StrCat(service, "/", descriptor->method(i)->name()));
     }
   }
-  return WithDetail(
-      absl::NotFoundError(absl::StrCat(
-          "there is no method '", name, "'; ",
-          candidates.empty() ? absl::StrCat("services: ", absl::StrJoin(services, ", "))
-                             : absl::StrCat("methods: ", absl::StrJoin(candidates, ", ")))),
-      {"RESOURCE_NOT_FOUND", name});
+  return NoSuchMethod(name, services, candidates);
 }
 
 }  // namespace mortise::cli

@@ -15,6 +15,7 @@
 #include "common/assembly/trial/drawn_contacts.h"
 #include "common/assembly/trial/pattern_losses.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::parametric {
 namespace {
@@ -260,7 +261,8 @@ absl::StatusOr<LinearForm> ParametricAssembly::FormOf(const Measure& measure,
   });
   if (found == elements_.end()) {
     return InvalidField(absl::StrCat(field, ".element"),
-                        absl::StrCat("there is no element '", measure.element, "'"));
+                        absl::StrCat("there is no element '", measure.element, "'",
+                                     NamesOffered(measure.element, elements_, &Element::name)));
   }
   const int element = static_cast<int>(found - elements_.begin());
   const LinearForm center = LinearForm::Variable(CenterVariable(element, measure.axis));

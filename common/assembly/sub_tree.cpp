@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/assembly/trial/drawn_contacts.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::parametric {
 namespace {
@@ -59,6 +60,16 @@ bool HasAny(const std::vector<bool>& parts) {
   return std::find(parts.begin(), parts.end(), true) != parts.end();
 }
 
+// What a node may be called by.
+std::vector<std::string> NamesIn(const Assembly& assembly) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < assembly.groups.size(); ++i) {
+    names.push_back(assembly.groups[i].name);
+  }
+  for (const AssemblyPart& part : assembly.parts) names.push_back(part.name);
+  return names;
+}
+
 absl::StatusOr<Node> FindNode(const Assembly& assembly, const std::string& name) {
   Node node;
   node.group = FindGroup(assembly, name);
@@ -73,8 +84,8 @@ absl::StatusOr<Node> FindNode(const Assembly& assembly, const std::string& name)
   node.inside =
       PartsThat(assembly, [&](const AssemblyPart& part) { return IsOfRow(part.name, name); });
   if (HasAny(node.inside)) return node;
-  return InvalidField("group",
-                      absl::StrCat("there is no group or part '", name, "' in ", assembly.name));
+  return InvalidField("group", absl::StrCat("there is no group or part '", name, "' in ",
+                                            assembly.name, NamesOffered(name, NamesIn(assembly))));
 }
 
 // Of each part whether it, or what it belongs together with, touches principal parts inside and

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/field_checks.h"
 #include "common/design/template_validation.h"
 #include "common/expressions/identifier.h"
@@ -221,7 +222,9 @@ std::vector<FieldViolation> ValidateItem(const Item& item, const std::vector<Mat
   CheckText("designation", item.designation, findings);
   CheckSuppliers(item, findings);
   if (FindMaterial(materials, item.material) == nullptr) {
-    findings.push_back({"material", absl::StrCat("there is no material '", item.material, "'")});
+    findings.push_back(
+        {"material", absl::StrCat("there is no material '", item.material, "'",
+                                  NamesOffered(item.material, materials, &Material::name))});
   }
   CheckDimensions(item, findings);
   CheckMeasures(item, findings);

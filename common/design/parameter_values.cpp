@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/template_validation.h"
 
 namespace mortise::parametric {
@@ -190,7 +191,9 @@ absl::StatusOr<VectorXd> CompleteParameters(const std::vector<Parameter>& parame
         std::find_if(parameters.begin(), parameters.end(),
                      [&](const Parameter& entry) { return entry.name == given.name; });
     if (found == parameters.end()) {
-      faults.push_back({field + ".name", absl::StrCat("there is no parameter '", given.name, "'")});
+      faults.push_back(
+          {field + ".name", absl::StrCat("there is no parameter '", given.name, "'",
+                                         NamesOffered(given.name, parameters, &Parameter::name))});
     } else if (!seen.insert(given.name).second) {
       faults.push_back({field + ".name", absl::StrCat("'", given.name, "' is given twice")});
     } else if (const GivenValue read = ReadValue(*found, given); read.fault) {

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/compared_numbers.h"
 #include "common/base/identifiers.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/compiled_template.h"
 #include "common/design/condition_expressions.h"
 #include "common/design/field_checks.h"
@@ -215,12 +216,19 @@ class Checker {
     }
   }
 
+  // Of a bundle with all items there are, one may be meant.
+  void ReportMissingItem(const std::string& field, const std::string& name) {
+    std::vector<std::string> names;
+    for (const Item& item : bundle_.items) names.push_back(item.name);
+    Report(field, absl::StrCat("there is no item '", name, "'", NearestOffered(name, names)));
+  }
+
   // `field` is that of the item, `owner` that of the part.
   void CheckPartItem(const std::string& field, const std::string& name, const PartTemplate& part,
                      const std::string& owner) {
     const Item* item = FindItem(bundle_.items, name);
     if (item == nullptr) {
-      Report(field, absl::StrCat("there is no item '", name, "'"));
+      ReportMissingItem(field, name);
       return;
     }
     if (FindMaterial(bundle_.materials, item->material) == nullptr) {
@@ -315,7 +323,8 @@ class Checker {
                                       return part.name == (reference ? reference->part : name);
                                     });
     if (found == definition_.parts.end() || !reference) {
-      Report(field, absl::StrCat("there is no part '", name, "'"));
+      Report(field, absl::StrCat("there is no part '", name, "'",
+                                 NamesOffered(name, definition_.parts, &PartTemplate::name)));
       return nullptr;
     }
     if (!reference->numbers.empty() && reference->numbers.size() != found->repeat.size()) {
@@ -342,8 +351,8 @@ class Checker {
     if (part == nullptr) return nullptr;
     const std::vector<std::string> faces = FaceNames(*part);
     if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
-      Report(absl::StrCat(field, ".face"),
-             absl::StrCat("part '", part_name, "' has no face '", face, "'"));
+      Report(absl::StrCat(field, ".face"), absl::StrCat("part '", part_name, "' has no face '",
+                                                        face, "'", NamesOffered(face, faces)));
     }
     return part;
   }
@@ -381,7 +390,7 @@ class Checker {
                 const Connection& connection) {
     const Item* item = FindItem(bundle_.items, name);
     if (item == nullptr) {
-      Report(field, absl::StrCat("there is no item '", name, "'"));
+      ReportMissingItem(field, name);
       return;
     }
     if (item->kind != ItemKind::kDowel) {

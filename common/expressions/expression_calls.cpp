@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/expressions/expression_parser.h"
 
 namespace mortise::parametric {
@@ -72,7 +73,10 @@ ExpressionParser::Parsed ExpressionParser::ParseCall(std::string_view function,
       std::find_if(std::begin(kFunctions), std::end(kFunctions),
                    [function](const Function& entry) { return entry.name == function; });
   if (found == std::end(kFunctions)) {
-    return FailAt(column, absl::StrCat("there is no function '", std::string(function), "'"));
+    const std::string unknown(function);
+    const auto name_of = [](const Function& entry) { return std::string(entry.name); };
+    return FailAt(column, absl::StrCat("there is no function '", unknown, "'",
+                                       NamesOffered(unknown, kFunctions, name_of)));
   }
   MORTISE_ASSIGN_OR_RETURN(Term result, ParseOperand(&ExpressionParser::ParseEither));
   int arguments = 1;

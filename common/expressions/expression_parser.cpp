@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/decimal_number.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::parametric {
 namespace {
@@ -331,7 +332,9 @@ ExpressionParser::Parsed ExpressionParser::ParseName() {
     Emit(Operation::kConstant, 0, std::numbers::pi);
     return Term{.column = begin};
   }
-  return FailAt(begin, absl::StrCat("there is no parameter '", std::string(name), "'"));
+  const std::string unknown(name);
+  return FailAt(begin, absl::StrCat("there is no parameter '", unknown, "'",
+                                    NamesOffered(unknown, names_, &ExpressionName::name)));
 }
 
 // ---- The program --------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/decimal_number.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::parametric {
 namespace {
@@ -100,7 +101,9 @@ class MetricTextReader {
     const std::string name(source_.substr(begin, end - begin));
     term.call.function = FindMetricFunction(name);
     if (term.call.function == nullptr) {
-      return At(begin, absl::StrCat("there is no function '", name, "' of faces and points"));
+      const auto name_of = [](const MetricFunction& each) { return std::string(each.name); };
+      return At(begin, absl::StrCat("there is no function '", name, "' of faces and points",
+                                    NamesOffered(name, MetricFunctions(), name_of)));
     }
     const MetricFunction& function = *term.call.function;
     std::vector<std::string>& places = term.call.places;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::parametric {
 namespace {
@@ -73,7 +74,10 @@ absl::StatusOr<Unit> FindUnit(std::string_view symbol) {
     }
   }
   if (IsCurrency(symbol)) return Unit{{{std::string(symbol), 1}}, 1};
-  return absl::InvalidArgumentError(absl::StrCat("there is no unit '", std::string(symbol), "'"));
+  const std::string unknown(symbol);
+  const auto symbol_of = [](const KnownUnit& known) { return std::string(known.symbol); };
+  return absl::InvalidArgumentError(absl::StrCat("there is no unit '", unknown, "'",
+                                                 NamesOffered(unknown, KnownUnits(), symbol_of)));
 }
 
 void Multiply(Unit& product, const Unit& by, double power) {

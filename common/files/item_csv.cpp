@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/field_checks.h"
 #include "common/expressions/identifier.h"
 #include "common/files/csv_designs.h"
@@ -197,6 +198,28 @@ absl::Status SetMoreSuppliers(v1::Item& item, const std::string& text) {
   return absl::OkStatus();
 }
 
+// Says that the header names a column which is none, and which may be meant.
+std::string NoSuchColumn(const std::string& title) {
+  static const std::vector<std::string> kTitles = [] {
+    std::vector<std::string> titles(std::begin(kPlainColumns), std::end(kPlainColumns));
+    for (const char* const other : {"price", "currency", "more_suppliers", "external_ids", "labels",
+                                    "stock_sizes", "stock_sizes_mm"}) {
+      titles.emplace_back(other);
+    }
+    for (const std::string axis : kAxes) {
+      for (const char* const detail : {"", ".minimum", ".maximum", ".nominal"}) {
+        titles.push_back(absl::StrCat(axis, detail));
+        titles.push_back(absl::StrCat(axis, detail, "_mm"));
+      }
+      titles.push_back(absl::StrCat(axis, ".process"));
+      titles.push_back(absl::StrCat(axis, ".name"));
+    }
+    return titles;
+  }();
+  const std::string shown = title.substr(0, 80);
+  return absl::StrCat("there is no column '", shown, "'", NearestOffered(shown, kTitles));
+}
+
 // Makes items of rows.
 class Reader {
  public:
@@ -225,7 +248,7 @@ class Reader {
       column.meaning = cell.text;
       if (column.millimetres) column.meaning.resize(cell.text.size() - kMillimetreSuffix.size());
       if (!FindMeaning(column)) {
-        Report(PlaceOf(cell), absl::StrCat("there is no column '", cell.text.substr(0, 80), "'"));
+        Report(PlaceOf(cell), NoSuchColumn(cell.text));
         column.part = Column::Part::kUnknown;
       } else if (!seen.insert(column.meaning).second) {
         Report(PlaceOf(cell), absl::StrCat("'", column.meaning, "' is there twice"));

@@ -36,7 +36,8 @@ class Cleaner {
       const std::string place = absl::StrCat(path, path.empty() ? "" : ".",
                                              field == nullptr ? entry.key() : field->name());
       if (field == nullptr) {
-        findings_.push_back({place, "there is no field of this name"});
+        findings_.push_back({place, absl::StrCat("there is no field of this name",
+                                                 FieldsOffered(entry.key(), type))});
         entry = object.erase(entry);
       } else if (!CleanField(entry.value(), *field, place)) {
         entry = object.erase(entry);

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/files/csv_designs.h"
 #include "common/files/csv_tags.h"
 
@@ -50,6 +51,23 @@ Column ColumnOf(const std::string& title) {
   return column;
 }
 
+// What columns of materials may be called.
+const std::vector<std::string>& Titles() {
+  static const std::vector<std::string> kTitles = [] {
+    std::vector<std::string> titles;
+    const auto add = [&titles](const google::protobuf::Descriptor& type, std::string_view prefix) {
+      for (int i = 0; i < type.field_count(); ++i) {
+        std::string title = std::string(prefix) + type.field(i)->name();
+        if (ColumnOf(title).field != nullptr) titles.push_back(std::move(title));
+      }
+    };
+    add(*v1::Material::descriptor(), "");
+    add(*v1::OrthotropicElasticity::descriptor(), kOrthotropicPrefix);
+    return titles;
+  }();
+  return kTitles;
+}
+
 class Reader {
  public:
   DesignFile Run(const CsvTable& table) {
@@ -74,7 +92,8 @@ class Reader {
       columns_.push_back(ColumnOf(cell.text));
       if (columns_.back().field == nullptr) {
         Report(PlaceOf(cell),
-               absl::StrCat("there is no column '", cell.text.substr(0, 80), "' of materials"));
+               absl::StrCat("there is no column '", cell.text.substr(0, 80), "' of materials",
+                            NearestOffered(cell.text.substr(0, 80), Titles())));
       } else if (!seen.insert(cell.text).second) {
         Report(PlaceOf(cell), absl::StrCat("'", cell.text, "' is there twice"));
         columns_.back().field = nullptr;

@@ -209,7 +209,7 @@ class Walk : public nlohmann::json_sax<Json> {
     frame.field = FieldOf(*frame.type, text);
     frame.key = frame.field == nullptr ? text : frame.field->name();
     if (frame.field == nullptr) {
-      Add("there is no field of this name");
+      Add(absl::StrCat("there is no field of this name", FieldsOffered(text, *frame.type)));
     } else if (const auto* const oneof = frame.field->real_containing_oneof();
                oneof != nullptr && !frame.chosen.insert(oneof).second &&
                frame.keys.count(frame.key) == 0) {

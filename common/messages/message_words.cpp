@@ -1,7 +1,10 @@
 #include "common/messages/message_words.h"
 
+#include <vector>
+
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise {
 
@@ -19,6 +22,12 @@ std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice) {
     absl::StrAppend(&names, i == 0 ? "" : ", ", choice.field(i)->name());
   }
   return names;
+}
+
+std::string FieldsOffered(const std::string& name, const google::protobuf::Descriptor& type) {
+  std::vector<std::string> fields;
+  for (int i = 0; i < type.field_count(); ++i) fields.push_back(type.field(i)->name());
+  return NamesOffered(name, fields);
 }
 
 bool HasSpecialJson(const google::protobuf::Descriptor& type) {

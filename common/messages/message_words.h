@@ -13,6 +13,9 @@ std::string ValueNames(const google::protobuf::EnumDescriptor& type);
 // Returns "cad, cage": the fields of which a message has one at most.
 std::string ChoiceNames(const google::protobuf::OneofDescriptor& choice);
 
+// Returns what to offer where `type` has no field of this name, as NamesOffered does.
+std::string FieldsOffered(const std::string& name, const google::protobuf::Descriptor& type);
+
 // Whether JSON writes messages of this type in a way of their own, as texts or numbers
 // (google.protobuf.Timestamp).
 bool HasSpecialJson(const google::protobuf::Descriptor& type);

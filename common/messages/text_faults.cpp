@@ -121,7 +121,8 @@ class Walk {
         if (field != nullptr) {
           CheckOnce(name, *field, fields, chosen);
         } else if (type != nullptr) {
-          Add(name, absl::StrCat("there is no field '", name.text, "' of ", type->full_name()));
+          Add(name, absl::StrCat("there is no field '", name.text, "' of ", type->full_name(),
+                                 FieldsOffered(name.text, *type)));
         }
         tokens_.Next();
       } else if (!Extension()) {

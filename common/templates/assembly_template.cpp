@@ -11,6 +11,7 @@
 #include "common/assembly/assembly_design.h"
 #include "common/assembly/memory_use.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/cad/stretch/solid_shape.h"
 #include "common/design/condition_expressions.h"
 #include "common/design/field_checks.h"
@@ -121,7 +122,9 @@ void CheckPlaces(const parametric::EvaluatedDesign& drawn,
     const int part = parametric::FindPart(drawn, condition.part);
     if (part < 0) {
       findings.push_back(
-          {field + ".part", absl::StrCat("there is no part '", condition.part, "'")});
+          {field + ".part", absl::StrCat("there is no part '", condition.part, "'",
+                                         NamesOffered(condition.part, drawn.parts,
+                                                      &parametric::EvaluatedPart::name))});
       continue;
     }
     const parametric::EvaluatedPart& of = drawn.parts[static_cast<std::size_t>(part)];
@@ -130,7 +133,8 @@ void CheckPlaces(const parametric::EvaluatedDesign& drawn,
     } else if (std::find(of.face_names.begin(), of.face_names.end(), condition.face) ==
                of.face_names.end()) {
       findings.push_back(
-          {field + ".face", absl::StrCat("there is no face '", condition.face, "'")});
+          {field + ".face", absl::StrCat("there is no face '", condition.face, "'",
+                                         NamesOffered(condition.face, of.face_names))});
     }
   }
 }

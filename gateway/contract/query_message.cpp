@@ -10,7 +10,9 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/messages/message_words.h"
 
 namespace mortise::gateway {
 namespace {
@@ -95,7 +97,11 @@ class Builder {
     const pb::FieldDescriptor* field = nullptr;
     for (const Step& step : *steps) {
       field = type == nullptr ? nullptr : FindField(*type, step.field);
-      if (field == nullptr) return InvalidField(shown, "there is no such field");
+      if (field == nullptr) {
+        return InvalidField(shown,
+                            absl::StrCat("there is no such field",
+                                         type == nullptr ? "" : FieldsOffered(step.field, *type)));
+      }
       if (step.key.has_value() != field->is_repeated()) {
         return InvalidField(shown, field->is_repeated() ? "is a list or a map: give [0] or [KEY]"
                                                         : "is no list and no map");

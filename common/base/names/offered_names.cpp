@@ -33,8 +33,8 @@ int EditDistance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string NamesOffered(const std::string& name, const std::vector<std::string>& names) {
-  if (names.empty()) return "";
+std::optional<std::string> NearestName(const std::string& name,
+                                       const std::vector<std::string>& names) {
   const int most_edits = 1 + static_cast<int>(name.size()) / 3;
   const std::string* nearest = nullptr;
   int fewest = std::numeric_limits<int>::max();
@@ -47,7 +47,19 @@ std::string NamesOffered(const std::string& name, const std::vector<std::string>
     fewest = edits;
     nearest = &each;
   }
-  if (fewest <= most_edits) return absl::StrCat("; did you mean '", *nearest, "'?");
+  if (nearest == nullptr || fewest > most_edits) return std::nullopt;
+  return *nearest;
+}
+
+std::string NearestOffered(const std::string& name, const std::vector<std::string>& names) {
+  const std::optional<std::string> nearest = NearestName(name, names);
+  return nearest ? absl::StrCat("; did you mean '", *nearest, "'?") : "";
+}
+
+std::string NamesOffered(const std::string& name, const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  std::string nearest = NearestOffered(name, names);
+  if (!nearest.empty()) return nearest;
   const std::size_t shown = std::min(names.size(), kShown);
   return absl::StrCat("; there are '", absl::StrJoin(names.begin(), names.begin() + shown, "', '"),
                       "'", shown < names.size() ? " and more" : "");

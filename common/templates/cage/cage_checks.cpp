@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/solid_head_checks.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
@@ -117,7 +118,9 @@ class CageChecker {
       for (std::size_t k = 0; k < condition.faces.size(); ++k) {
         if (face_names_.contains(condition.faces[k])) continue;
         Report(absl::StrCat(field, ".faces[", k, "]"),
-               absl::StrCat("there is no face '", condition.faces[k].substr(0, 80), "'"));
+               absl::StrCat("there is no face '", condition.faces[k].substr(0, 80), "'",
+                            NamesOffered(condition.faces[k].substr(0, 80),
+                                         {face_names_.begin(), face_names_.end()})));
       }
     }
     CheckConditionsTogether("conditions", uses, definition_.reference_temperature, findings_);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/solid_head_checks.h"
 #include "common/templates/features/feature_reference.h"
 #include "common/templates/features/feature_roles.h"
@@ -204,7 +205,8 @@ class FeatureChecker {
     const bool is_later = std::any_of(definition_.features.begin(), definition_.features.end(),
                                       [&](const Feature& feature) { return feature.name == name; });
     Here(field, is_later ? absl::StrCat("'", name, "' is not before this feature")
-                         : absl::StrCat("there is no feature '", name, "'"));
+                         : absl::StrCat("there is no feature '", name, "'",
+                                        NamesOffered(name, definition_.features, &Feature::name)));
     return nullptr;
   }
 

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
@@ -11,6 +12,7 @@
 #include "mortise/v1/assembly.pb.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/item_filter.h"
+#include "services/catalog/records/near_names.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_page.h"
 #include "services/catalog/records/record_users.h"
@@ -65,6 +67,8 @@ absl::StatusOr<std::vector<FieldViolation>> CheckItem(store::ReadTransaction& tr
     return material.status();
   }
   std::vector<FieldViolation> findings = parametric::ValidateItemMessage(item, materials);
+  OfferNearName(transaction, kMaterials, item.material(),
+                absl::StrCat("there is no material '", item.material(), "'"), findings);
   MORTISE_ASSIGN_OR_RETURN(const std::vector<FieldViolation> of_shape,
                            CheckItemShape(transaction, item));
   findings.insert(findings.end(), of_shape.begin(), of_shape.end());

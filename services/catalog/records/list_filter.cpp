@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
+#include "services/catalog/records/near_names.h"
 #include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog {
@@ -38,7 +39,7 @@ absl::Status CheckFilterName(store::ReadTransaction& transaction, const char* ki
   if (name.empty()) return absl::OkStatus();
   const absl::Status found = GetRecord(transaction, kind, name).status();
   if (absl::IsNotFound(found)) {
-    return InvalidField(field, absl::StrCat("there is no '", name, "'"));
+    return InvalidField(field, std::string(WithNearName(transaction, kind, name, found).message()));
   }
   if (absl::IsInvalidArgument(found)) {
     return InvalidField(field, absl::StrCat("must be '", kind, "/' and the id of one"));

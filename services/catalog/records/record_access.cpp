@@ -7,6 +7,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
+#include "services/catalog/records/near_names.h"
 
 namespace mortise::catalog {
 
@@ -77,7 +78,8 @@ absl::StatusOr<int64_t> PutNext(store::Transaction& transaction, const char* kin
 
 absl::Status MarkDeleted(store::Transaction& transaction, const char* kind, const std::string& name,
                          int64_t revision) {
-  MORTISE_ASSIGN_OR_RETURN(const store::Record present, GetRecord(transaction, kind, name));
+  MORTISE_ASSIGN_OR_RETURN(const store::Record present,
+                           OrNearName(transaction, kind, name, GetRecord(transaction, kind, name)));
   if (present.revision != revision) return StaleRevision(name, revision, present.revision);
   return PutNext(transaction, kind, name, "", revision).status();
 }

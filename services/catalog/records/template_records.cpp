@@ -13,6 +13,7 @@
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/list_filter.h"
 #include "services/catalog/records/record_access.h"
+#include "services/catalog/records/near_names.h"
 #include "services/catalog/records/record_page.h"
 #include "services/catalog/records/record_tags.h"
 #include "services/catalog/records/record_users.h"
@@ -34,7 +35,9 @@ bool IsNone(const absl::Status& status) {
 // The assembly of an assembly template, and what it uses. One that is deleted cannot be exposed.
 absl::Status FreezeAssembly(store::ReadTransaction& transaction, v1::TemplateBundle& bundle) {
   v1::AssemblyTemplate& message = *bundle.mutable_template_()->mutable_assembly();
-  absl::StatusOr<v1::AssemblyBundle> used = GetAssemblyBundle(transaction, message.assembly(), 0);
+  absl::StatusOr<v1::AssemblyBundle> used =
+      OrNearName(transaction, kAssemblies, message.assembly(),
+                 GetAssemblyBundle(transaction, message.assembly(), 0));
   if (IsNone(used.status())) {
     return InvalidField("assembly.assembly", std::string(used.status().message()));
   }

@@ -7,6 +7,8 @@
 #include "common/resources/collection.h"
 #include "common/store/store.h"
 #include "services/catalog/records/assembly_records.h"
+#include "services/catalog/records/near_names.h"
+#include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shape_records.h"
 
 namespace mortise::catalog {
@@ -15,7 +17,8 @@ absl::StatusOr<v1::AssemblyBundle> FindAssembly(const Catalog& catalog, const st
                                                 int64_t revision) {
   return resources::ReadFrom<v1::AssemblyBundle>(
       *catalog.store, [&](store::ReadTransaction& transaction) {
-        return GetAssemblyBundle(transaction, name, revision);
+        return OrNearName(transaction, kAssemblies, name,
+                          GetAssemblyBundle(transaction, name, revision));
       });
 }
 

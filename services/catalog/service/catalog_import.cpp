@@ -12,6 +12,7 @@
 #include "common/design/template_validation.h"
 #include "common/resources/resource_tags.h"
 #include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/near_names.h"
 #include "services/catalog/records/pending_records.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_tags.h"
@@ -195,9 +196,14 @@ absl::StatusOr<std::vector<v1::TemplateBundle>> PrepareImport(
   for (int i = 0; i < static_cast<int>(bundles.size()); ++i) {
     v1::TemplateBundle& bundle = bundles[static_cast<std::size_t>(i)];
     if (!bundle.has_template_()) continue;
-    MORTISE_RETURN_IF_ERROR(faults.Add(
-        At("templates", i), request.templates(i).name(),
-        templates::FillAndCheck(bundle, templates::Trial::kThorough, is_given_up, parametrize)));
+    absl::Status wrong =
+        templates::FillAndCheck(bundle, templates::Trial::kThorough, is_given_up, parametrize);
+    if (absl::IsInvalidArgument(wrong)) {
+      wrong = store.Read([&](store::ReadTransaction& transaction) {
+        return WithNearItems(transaction, templates::ItemsOf(request.templates(i)), wrong);
+      });
+    }
+    MORTISE_RETURN_IF_ERROR(faults.Add(At("templates", i), request.templates(i).name(), wrong));
   }
   MORTISE_RETURN_IF_ERROR(faults.AsStatus());
   return bundles;

@@ -6,13 +6,16 @@
 #include "common/host/call_author.h"
 #include "common/resources/collection.h"
 #include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/near_names.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog::methods {
 
 absl::StatusOr<v1::Item> GetItem(Catalog& catalog, const rpc::Call&,
                                  const v1::GetItemRequest& asked) {
   return resources::ReadFrom<v1::Item>(*catalog.store, [&](store::ReadTransaction& transaction) {
-    return catalog::GetItem(transaction, asked.name(), asked.revision());
+    return OrNearName(transaction, kItems, asked.name(),
+                      catalog::GetItem(transaction, asked.name(), asked.revision()));
   });
 }
 

@@ -6,6 +6,8 @@
 #include "common/host/call_author.h"
 #include "common/resources/collection.h"
 #include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/near_names.h"
+#include "services/catalog/records/record_access.h"
 
 namespace mortise::catalog::methods {
 
@@ -13,7 +15,8 @@ absl::StatusOr<v1::Material> GetMaterial(Catalog& catalog, const rpc::Call&,
                                          const v1::GetMaterialRequest& asked) {
   return resources::ReadFrom<v1::Material>(
       *catalog.store, [&](store::ReadTransaction& transaction) {
-        return catalog::GetMaterial(transaction, asked.name(), asked.revision());
+        return OrNearName(transaction, kMaterials, asked.name(),
+                          catalog::GetMaterial(transaction, asked.name(), asked.revision()));
       });
 }
 

@@ -8,6 +8,7 @@
 #include "common/resources/collection.h"
 #include "common/resources/resource_tags.h"
 #include "services/catalog/records/catalog_records.h"
+#include "services/catalog/records/near_names.h"
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shape_records.h"
 #include "services/catalog/service/template_placing.h"
@@ -23,10 +24,13 @@ absl::StatusOr<v1::TemplateBundle> FreezeAndComplete(Catalog& catalog, const rpc
                                *catalog.store, [&](store::ReadTransaction& transaction) {
                                  return Freeze(transaction, message);
                                }));
-  MORTISE_RETURN_IF_ERROR(templates::FillAndCheck(
+  const absl::Status faults = templates::FillAndCheck(
       bundle, templates::Trial::kThorough, [&call] { return call.cancelled(); },
-      catalog.parametrized.ForTemplates()));
-  return bundle;
+      catalog.parametrized.ForTemplates());
+  if (faults.ok()) return bundle;
+  return catalog.store->Read([&](store::ReadTransaction& transaction) {
+    return WithNearItems(transaction, templates::ItemsOf(message), faults);
+  });
 }
 
 }  // namespace

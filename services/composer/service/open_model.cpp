@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/messages/vector_codec.h"
 
 namespace mortise::composer {
@@ -149,7 +150,8 @@ absl::StatusOr<v1::ModelComponent*> FindComponent(OpenModel& model, const std::s
     if (component.id() == id) return &component;
   }
   return InvalidField("component",
-                      absl::StrCat("there is no component '", id, "' in ", model.name));
+                      absl::StrCat("there is no component '", id, "' in ", model.name,
+                                   NamesOffered(id, model.components, &v1::ModelComponent::id)));
 }
 
 absl::StatusOr<OpenLoose*> FindLoose(OpenModel& model, const std::string& id) {

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/base/string_views.h"
 #include "common/evaluation/parameter_number.h"
 #include "common/expressions/expression.h"
@@ -55,8 +56,10 @@ absl::StatusOr<std::vector<MetricLimit>> ReadLimits(const v1::DesignMap& map,
     const std::string field = absl::StrCat("limits[", i, "]");
     const auto metric = std::ranges::find(map.metrics(), limit.metric(), &v1::MapMetric::name);
     if (metric == map.metrics().end()) {
-      return InvalidField(field + ".metric",
-                          absl::StrCat("the map has no metric '", limit.metric(), "'"));
+      return InvalidField(
+          field + ".metric",
+          absl::StrCat("the map has no metric '", limit.metric(), "'",
+                       NamesOffered(limit.metric(), map.metrics(), &v1::MapMetric::name)));
     }
     if (!names.insert(limit.metric()).second) {
       return InvalidField(field + ".metric", "is limited twice");

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/base/string_views.h"
 
 namespace mortise::interpolator {
@@ -211,7 +212,9 @@ absl::StatusOr<std::vector<int>> MetricColumns(
     const auto at = std::ranges::find_if(
         map.metrics(), [&](const auto& metric) { return metric.name() == asked[i]; });
     if (at == map.metrics().end()) {
-      return InvalidField(field, absl::StrCat("the map has no metric '", asked[i], "'"));
+      return InvalidField(
+          field, absl::StrCat("the map has no metric '", asked[i], "'",
+                              NamesOffered(asked[i], map.metrics(), &v1::MapMetric::name)));
     }
     if (!names.insert(asked[i]).second) return InvalidField(field, "is given twice");
     columns.push_back(static_cast<int>(at - map.metrics().begin()));

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/design/metric_registry.h"
 #include "common/evaluation/parameter_number.h"
 #include "mortise/v1/evaluator.pb.h"
@@ -230,7 +231,9 @@ absl::Status AddMetrics(const v1::MapSpecification& specification, const v1::Des
         described.metrics(), [&](const auto& metric) { return metric.name() == asked.name(); });
     if (offered == described.metrics().end()) {
       return InvalidField(absl::StrCat("specification.metrics[", k, "].name"),
-                          absl::StrCat("the subject has no metric '", asked.name(), "'"));
+                          absl::StrCat("the subject has no metric '", asked.name(), "'",
+                                       NamesOffered(asked.name(), described.metrics(),
+                                                    &v1::DesignSpace::MetricDescription::name)));
     }
     plan.metrics.push_back({asked.name(), offered->unit(), asked.noise_floor()});
   }

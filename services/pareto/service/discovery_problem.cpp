@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "common/files/evaluation_settings.h"
 #include "mortise/v1/evaluator.pb.h"
 #include "mortise/v1/pareto.pb.h"
@@ -98,7 +99,8 @@ absl::Status ApplyBounds(const v1::DiscoverySpecification& specification,
                                 bound.parameter());
     if (name == problem.parameter_names.end()) {
       return InvalidField(absl::StrCat(field, ".parameter"),
-                          absl::StrCat("no parameter '", bound.parameter(), "'"));
+                          absl::StrCat("no parameter '", bound.parameter(), "'",
+                                       NamesOffered(bound.parameter(), problem.parameter_names)));
     }
     const Eigen::Index i = name - problem.parameter_names.begin();
     const std::vector<std::string>& choices = problem.choices[static_cast<std::size_t>(i)];
@@ -121,7 +123,9 @@ absl::StatusOr<const v1::DesignSpace::MetricDescription*> Offered(const v1::Desi
   const auto metric = std::find_if(described.metrics().begin(), described.metrics().end(),
                                    [&](const auto& offered) { return offered.name() == name; });
   if (metric != described.metrics().end()) return &*metric;
-  return InvalidField(field, absl::StrCat("the subject has no metric '", name, "'"));
+  return InvalidField(field, absl::StrCat("the subject has no metric '", name, "'",
+                                          NamesOffered(name, described.metrics(),
+                                                       &v1::DesignSpace::MetricDescription::name)));
 }
 
 absl::Status AddObjectives(const v1::DiscoverySpecification& specification,

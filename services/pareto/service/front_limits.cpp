@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "services/pareto/service/number_text.h"
 
 namespace mortise::pareto {
@@ -39,6 +40,13 @@ int IndexOf(const std::string& name, const google::protobuf::RepeatedPtrField<st
   return at == names.end() ? -1 : static_cast<int>(at - names.begin());
 }
 
+// What a limit may be of.
+std::vector<std::string> NamesOf(const v1::Front& front) {
+  std::vector<std::string> names(front.metric_names().begin(), front.metric_names().end());
+  names.insert(names.end(), front.parameter_names().begin(), front.parameter_names().end());
+  return names;
+}
+
 absl::StatusOr<FrontLimit> ToLimit(const v1::Front& front, const v1::FrontLimit& message,
                                    const std::string& field) {
   FrontLimit limit;
@@ -46,9 +54,9 @@ absl::StatusOr<FrontLimit> ToLimit(const v1::Front& front, const v1::FrontLimit&
   limit.of_metric = limit.index >= 0;
   if (!limit.of_metric) limit.index = IndexOf(message.name(), front.parameter_names());
   if (limit.index < 0) {
-    return InvalidField(
-        absl::StrCat(field, ".name"),
-        absl::StrCat("the front has no metric or parameter '", message.name(), "'"));
+    return InvalidField(absl::StrCat(field, ".name"),
+                        absl::StrCat("the front has no metric or parameter '", message.name(), "'",
+                                     NamesOffered(message.name(), NamesOf(front))));
   }
   if (message.has_minimum()) limit.minimum = message.minimum();
   if (message.has_maximum()) limit.maximum = message.maximum();

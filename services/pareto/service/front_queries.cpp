@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "services/pareto/service/front_limits.h"
 
 namespace mortise::pareto {
@@ -61,7 +62,9 @@ absl::StatusOr<int> MetricOf(const v1::Front& front, const std::string& name,
                              const std::string& field) {
   const int metric = IndexOf(name, front.metric_names());
   if (metric >= 0) return metric;
-  return InvalidField(field, absl::StrCat("the front has no metric '", name, "'"));
+  const std::vector<std::string> names(front.metric_names().begin(), front.metric_names().end());
+  return InvalidField(
+      field, absl::StrCat("the front has no metric '", name, "'", NamesOffered(name, names)));
 }
 
 absl::StatusOr<int> AtMetric(const OpenFront& front, const v1::Metric& asked) {

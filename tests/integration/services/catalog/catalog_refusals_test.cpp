@@ -27,6 +27,46 @@ std::vector<std::string> FieldsRefused(const absl::Status& refused) {
   return fields;
 }
 
+// Clients without a command line read them, too.
+TEST_F(CatalogServiceTest, OffersNamesThatMayBeMeant) {
+  using Stub = v1::CatalogService::Stub;
+  v1::GetTemplateRequest of_template;
+  of_template.set_name("templates/tabel");
+  EXPECT_THAT(Fail(&Stub::GetTemplate, of_template).message,
+              HasSubstr("did you mean 'templates/table'?"));
+  v1::GetItemRequest item;
+  item.set_name("items/dowel-8x53");
+  const auto missing = Fail(&Stub::GetItem, item);
+  EXPECT_EQ(missing.code, absl::StatusCode::kNotFound);
+  EXPECT_EQ(missing.field, "items/dowel-8x53");
+  EXPECT_THAT(missing.message, HasSubstr("did you mean 'items/dowel-8x"));
+  v1::GetMaterialRequest material;
+  material.set_name("materials/spruse");
+  EXPECT_THAT(Fail(&Stub::GetMaterial, material).message,
+              HasSubstr("did you mean 'materials/spruce'?"));
+  v1::ListTemplatesRequest templates;
+  templates.set_item("items/dowel-8x53");
+  EXPECT_THAT(Fail(&Stub::ListTemplates, templates).message,
+              HasSubstr("did you mean 'items/dowel"));
+  v1::EvaluateTemplateRequest evaluation;
+  evaluation.set_name("templates/table");
+  evaluation.add_parameters()->set_name("lenght");
+  EXPECT_THAT(Fail(&Stub::EvaluateTemplate, evaluation).message,
+              HasSubstr("did you mean 'length'?"));
+  // Nothing is like it.
+  item.set_name("items/unobtainium");
+  EXPECT_EQ(Fail(&Stub::GetItem, item).message, "there is no 'items/unobtainium'");
+}
+
+TEST_F(CatalogServiceTest, OffersItemsThatTemplatesMayMean) {
+  v1::Template message = GetTemplate("templates/table");
+  message.mutable_parts(0)->set_item("items/spruce-planed-2040");
+  const auto refused =
+      Fail(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(message, message.revision()));
+  EXPECT_EQ(refused.code, absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(refused.message, HasSubstr("did you mean 'items/spruce-planed-2400'?"));
+}
+
 TEST_F(CatalogServiceTest, RefusesBadReads) {
   using Stub = v1::CatalogService::Stub;
   v1::GetMaterialRequest material;

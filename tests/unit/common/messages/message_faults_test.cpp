@@ -67,7 +67,7 @@ TEST(JsonFaults, NamesEveryFieldAtFault) {
   const auto told = FaultsOf<v1::Assembly>(R"({"title": 3, "titel": "a"})");
   ASSERT_THAT(told, SizeIs(2));
   EXPECT_EQ(told[0].message, "3 must be a text");
-  EXPECT_EQ(told[1].message, "there is no field of this name");
+  EXPECT_EQ(told[1].message, "there is no field of this name; did you mean 'title'?");
 }
 
 TEST(JsonFaults, NamesFieldsThatAreThereTwice) {

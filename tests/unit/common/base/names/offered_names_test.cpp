@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,22 @@ TEST(OfferedNamesTest, TellsWhatThereIsWhereNothingIsLike) {
   const std::vector<std::string> many(30, "something");
   const std::string offered = NamesOffered("nix", many);
   EXPECT_TRUE(offered.ends_with("'something' and more")) << offered;
+}
+
+TEST(OfferedNamesTest, TakesThingsThatHaveNames) {
+  struct Part {
+    std::string name;
+  };
+  const std::vector<Part> parts = {{"leg"}, {"top"}};
+  EXPECT_EQ(NamesOffered("tpo", parts, &Part::name), "; did you mean 'top'?");
+}
+
+TEST(OfferedNamesTest, OffersNothingOfManyWhereNothingIsLike) {
+  const std::vector<std::string> names = {"board-27x95", "board-38x89"};
+  EXPECT_EQ(NearestOffered("bord-27x95", names), "; did you mean 'board-27x95'?");
+  EXPECT_EQ(NearestOffered("screw", names), "");
+  EXPECT_EQ(NearestName("board-38x98", names), "board-38x89");
+  EXPECT_EQ(NearestName("screw", names), std::nullopt);
 }
 
 TEST(OfferedNamesTest, TakesAnyTexts) {

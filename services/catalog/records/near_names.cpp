@@ -1,0 +1,90 @@
+#include "services/catalog/records/near_names.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
+#include "common/base/violation_lists.h"
+#include "services/catalog/records/record_access.h"
+
+namespace mortise::catalog {
+namespace {
+
+constexpr int kPage = 10'000;
+constexpr int kTries = 5;  // deleted ones may be nearer
+
+// The keys of all records of a kind; as far as they can be read.
+std::vector<std::string> KeysOf(store::ReadTransaction& transaction, const char* kind) {
+  std::vector<std::string> keys;
+  store::ListOptions options{.limit = kPage, .without_payloads = true};
+  while (true) {
+    const auto page = transaction.List(kind, options);
+    if (!page.ok()) return keys;
+    for (const store::Record& record : *page) keys.push_back(record.key);
+    if (static_cast<int>(page->size()) < kPage) return keys;
+    options.after_key = keys.back();
+  }
+}
+
+// The name that may be meant by one that nobody has.
+std::optional<std::string> NearNameOf(store::ReadTransaction& transaction, const char* kind,
+                                      const std::string& name) {
+  const std::string prefix = absl::StrCat(kind, "/");
+  if (!name.starts_with(prefix)) return std::nullopt;
+  const std::string key = name.substr(prefix.size());
+  std::vector<std::string> keys = KeysOf(transaction, kind);
+  for (int i = 0; i < kTries; ++i) {
+    const std::optional<std::string> nearest = NearestName(key, keys);
+    if (!nearest) return std::nullopt;
+    const std::string offered = absl::StrCat(prefix, *nearest);
+    if (GetRecord(transaction, kind, offered).ok()) return offered;
+    std::erase(keys, *nearest);
+  }
+  return std::nullopt;
+}
+
+std::string Offer(const std::string& message, const std::string& near) {
+  return absl::StrCat(message, "; did you mean '", near, "'?");
+}
+
+}  // namespace
+
+absl::Status WithNearName(store::ReadTransaction& transaction, const char* kind,
+                          const std::string& name, const absl::Status& status) {
+  const ErrorDetail detail = DetailOf(status);
+  // A revision that is not there is one of a name that is.
+  if (!absl::IsNotFound(status) || detail.field != name) return status;
+  const std::optional<std::string> near = NearNameOf(transaction, kind, name);
+  if (!near) return status;
+  return WithDetail(absl::Status(status.code(), Offer(std::string(status.message()), *near)),
+                    detail);
+}
+
+void OfferNearName(store::ReadTransaction& transaction, const char* kind, const std::string& name,
+                   const std::string& message, std::vector<FieldViolation>& findings) {
+  const auto says_it = [&message](const FieldViolation& finding) {
+    return finding.message == message;
+  };
+  if (std::none_of(findings.begin(), findings.end(), says_it)) return;
+  const std::optional<std::string> near = NearNameOf(transaction, kind, name);
+  if (!near) return;
+  for (FieldViolation& finding : findings) {
+    if (says_it(finding)) finding.message = Offer(message, *near);
+  }
+}
+
+absl::Status WithNearItems(store::ReadTransaction& transaction, const std::set<std::string>& items,
+                           const absl::Status& faults) {
+  std::vector<FieldViolation> violations = AllViolationsOf(faults);
+  if (violations.empty()) return faults;
+  for (const std::string& item : items) {
+    OfferNearName(transaction, kItems, item, absl::StrCat("there is no item '", item, "'"),
+                  violations);
+  }
+  return InvalidFields(violations);
+}
+
+}  // namespace mortise::catalog
