@@ -11,6 +11,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "cli/client/command_flags.h"
 #include "cli/client/filter_options.h"
@@ -85,6 +86,13 @@ std::string KindOf(const v1::Template& message) {
   return "parts";
 }
 
+// Whether a template can be analysed as it is, or what it lacks.
+std::string AnalysisText(const v1::Template& message) {
+  if (message.analysis_lacks().empty()) return ", can be analysed";
+  return absl::StrCat(", lacks ", absl::StrJoin(message.analysis_lacks(), " and "),
+                      " to be analysed");
+}
+
 absl::Status ListMaterials(const ListOptions& options, Listing& listing) {
   v1::ListMaterialsRequest filters;
   MORTISE_ASSIGN_OR_RETURN(const int elasticity,
@@ -134,7 +142,7 @@ absl::Status ListTemplates(const ListOptions& options, Listing& listing) {
       listing.client, [&](auto... a) { return listing.stub.ListTemplates(a...); },
       [&](const v1::ListTemplatesResponse& page) {
         for (const auto& t : page.templates()) {
-          listing.Add(t, absl::StrCat(KindOf(t), ", revision ", t.revision()));
+          listing.Add(t, absl::StrCat(KindOf(t), ", revision ", t.revision(), AnalysisText(t)));
         }
       },
       filters);

@@ -13,6 +13,7 @@
 #include "cli/client/session.h"
 #include "cli/client/tag_options.h"
 #include "cli/commands/commands.h"
+#include "cli/files/analysis_setup.h"
 #include "cli/files/evaluation_flags.h"
 #include "cli/files/mesh_analysis.h"
 #include "cli/files/metric_definitions.h"
@@ -36,7 +37,8 @@ struct AnalyzeOptions {
   bool gradients = false;
   double difference_step = kDifferenceStep;
   EvaluationFlags evaluation;  // with wind, the air around the design besides
-  std::string solver;          // "direct", "iterative" or empty
+  SetupFlags setup;
+  std::string solver;  // "direct", "iterative" or empty
   int modes = 0;
   std::filesystem::path mesh;  // with it, `subject` is the file of a case
   TagOptions tags;
@@ -67,11 +69,13 @@ absl::Status DownloadArtifacts(const v1::Analysis& analysis, const std::filesyst
 
 absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output& output) {
   if (!options.parameters.empty() || options.evaluation.any() || !options.metrics.empty() ||
-      !options.own.define.empty() || !options.own.point.empty() || options.gradients) {
+      !options.own.define.empty() || !options.own.point.empty() || options.gradients ||
+      !options.setup.empty()) {
     return InvalidField(
         "--mesh",
         "is a mesh already: --set, --metric, --define, --point, --gradients, --element-size, "
-        "--size-scale, --relative-error, --linear, --wind and --air-cells are for templates");
+        "--size-scale, --relative-error, --linear, --wind, --air-cells, --support, --load and "
+        "--setup are for templates");
   }
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   const auto stub = v1::SimulatorService::NewStub(client->channel());
@@ -130,6 +134,12 @@ absl::Status Evaluate(const AnalyzeOptions& options, const v1::AnalyzeDesignRequ
   if (!options.out.empty()) {
     return InvalidField("--out", "is for a whole analysis: --metric makes no files");
   }
+  if (!options.setup.empty()) {
+    return InvalidField(!options.setup.supports.empty() ? "--support"
+                        : !options.setup.loads.empty()  ? "--load"
+                                                        : "--setup",
+                        "is for a whole analysis: --metric and --define are of the template alone");
+  }
   MORTISE_ASSIGN_OR_RETURN(const v1::MetricDefinitions definitions,
                            ParseMetricDefinitions(options.own));
   v1::EvaluateBatchRequest request;
@@ -162,7 +172,8 @@ void PrintAirflow(const v1::Analysis& analysis, const Output& output) {
       std::hypot(airflow.friction().x(), airflow.friction().y(), airflow.friction().z())));
 }
 
-absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& output) {
+absl::Status Analyze(const AnalyzeOptions& options, FieldSources& sources, Session& session,
+                     Output& output) {
   if (!options.mesh.empty()) return AnalyzeMesh(options, session, output);
   if (LowerCaseExtension(options.subject) == ".json") {
     return InvalidField("--mesh", "is missing: a case needs the file of its mesh");
@@ -177,6 +188,9 @@ absl::Status Analyze(const AnalyzeOptions& options, Session& session, Output& ou
   request.set_solver(SolverOf(options));
   MORTISE_ASSIGN_OR_RETURN(const auto airflow, AirflowOf(options.evaluation));
   if (airflow) *request.mutable_airflow() = *airflow;
+  if (!options.setup.empty()) {
+    MORTISE_ASSIGN_OR_RETURN(*request.mutable_setup(), SetupOf(options.setup, sources));
+  }
   MORTISE_RETURN_IF_ERROR(AddTags(options.tags, &request));
   if (!options.metrics.empty() || !options.own.define.empty()) {
     return Evaluate(options, request, session, output);
@@ -223,6 +237,7 @@ void AddSolvingFlags(CommandFlags& flags, AnalyzeOptions& options) {
   AddEvaluationFlags(flags, options.evaluation, "",
                      "The air around it besides, computed by OpenFOAM: how it blows, \"X, Y, Z\" "
                      "(m/s), such as \"-10, 0, 0\"");
+  AddSetupFlags(flags, options.setup);
   flags.Add("--modes", options.modes, "How many natural frequencies besides, up to 100", "modes");
   flags
       .Add("--solver", options.solver,
@@ -270,11 +285,12 @@ void AddAnalyzeCommand(CLI::App& app, Session& session) {
       "Example: mortise analyze table --set length=1500mm --out out/table\n"
       "Example: mortise analyze table --metric mass --metric max_displacement --gradients\n"
       "Example: mortise analyze boat --metric draught --metric metacentric_height\n"
+      "Example: mortise analyze tray --support board/z_min --load board/z_max=0,0,-100N\n"
       "Example: mortise analyze collection/meshes/bracket.json --mesh "
       "collection/meshes/bracket.msh --out out/bracket");
   flags.Run(session, [options](FieldSources& sources, Session& s, Output& o) {
     AddSources(options->own, "metric_definitions", sources);
-    return Analyze(*options, s, o);
+    return Analyze(*options, sources, s, o);
   });
 }
 

@@ -190,30 +190,6 @@ void SetCondition(const EvaluatedBoundaryCondition& condition,
   }
 }
 
-absl::StatusOr<EvaluatedBoundaryCondition> ConditionOf(
-    const v1::EvaluatedBoundaryCondition& message, const std::string& field) {
-  EvaluatedBoundaryCondition condition;
-  condition.name = message.name();
-  if (!v1::BoundaryCondition::Kind_IsValid(message.kind()) ||
-      message.kind() == v1::BoundaryCondition::KIND_UNSPECIFIED) {
-    return InvalidField(absl::StrCat(field, ".kind"), "is not a kind of condition");
-  }
-  condition.kind = static_cast<BoundaryConditionKind>(message.kind());
-  condition.part = message.part();
-  condition.face = message.face();
-  condition.load_case = message.load_case();
-  condition.force = VectorFromProto(message.force());
-  condition.pressure = message.pressure();
-  condition.heat_flux = message.heat_flux();
-  condition.temperature = message.temperature();
-  condition.coefficient = message.coefficient();
-  condition.displacement = DisplacementOf(message.displacement());
-  condition.acceleration = VectorFromProto(message.acceleration());
-  condition.axis_point = VectorFromProto(message.axis_point());
-  condition.angular_velocity = VectorFromProto(message.angular_velocity());
-  return condition;
-}
-
 absl::StatusOr<Structure> StructureOf(const v1::Structure& message) {
   Structure structure;
   for (int i = 0; i < message.counts_size(); ++i) {
@@ -240,6 +216,30 @@ absl::StatusOr<Structure> StructureOf(const v1::Structure& message) {
 }
 
 }  // namespace
+
+absl::StatusOr<EvaluatedBoundaryCondition> FromProto(const v1::EvaluatedBoundaryCondition& message,
+                                                     const std::string& field) {
+  EvaluatedBoundaryCondition condition;
+  condition.name = message.name();
+  if (!v1::BoundaryCondition::Kind_IsValid(message.kind()) ||
+      message.kind() == v1::BoundaryCondition::KIND_UNSPECIFIED) {
+    return InvalidField(absl::StrCat(field, ".kind"), "is not a kind of condition");
+  }
+  condition.kind = static_cast<BoundaryConditionKind>(message.kind());
+  condition.part = message.part();
+  condition.face = message.face();
+  condition.load_case = message.load_case();
+  condition.force = VectorFromProto(message.force());
+  condition.pressure = message.pressure();
+  condition.heat_flux = message.heat_flux();
+  condition.temperature = message.temperature();
+  condition.coefficient = message.coefficient();
+  condition.displacement = DisplacementOf(message.displacement());
+  condition.acceleration = VectorFromProto(message.acceleration());
+  condition.axis_point = VectorFromProto(message.axis_point());
+  condition.angular_velocity = VectorFromProto(message.angular_velocity());
+  return condition;
+}
 
 v1::Structure ToProto(const Structure& structure) {
   v1::Structure message;
@@ -309,7 +309,7 @@ absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message) {
   for (int i = 0; i < message.boundary_conditions_size(); ++i) {
     MORTISE_ASSIGN_OR_RETURN(
         EvaluatedBoundaryCondition condition,
-        ConditionOf(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
+        FromProto(message.boundary_conditions(i), absl::StrCat("boundary_conditions[", i, "]")));
     design.boundary_conditions.push_back(std::move(condition));
   }
   design.mass = message.mass();

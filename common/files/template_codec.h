@@ -28,6 +28,8 @@ Parameter FromProto(const v1::Parameter& message);
 absl::StatusOr<BoundaryCondition> FromProto(const v1::BoundaryCondition& message,
                                             const std::string& field);
 // Only templates of parts; for any kind see common/templates/template_codec.h.
+absl::StatusOr<EvaluatedBoundaryCondition> FromProto(const v1::EvaluatedBoundaryCondition& message,
+                                                     const std::string& field);
 absl::StatusOr<TemplateDefinition> FromProto(const v1::Template& message);
 absl::StatusOr<TemplateBundle> FromProto(const v1::TemplateBundle& message);
 absl::StatusOr<EvaluatedDesign> FromProto(const v1::EvaluatedDesign& message);

@@ -8,12 +8,13 @@
 #include "common/base/errors.h"
 #include "common/base/violation_lists.h"
 #include "common/resources/resource_filter.h"
+#include "common/templates/analysis_needs.h"
 #include "services/catalog/records/assembly_records.h"
 #include "services/catalog/records/bundle_records.h"
 #include "services/catalog/records/catalog_records.h"
 #include "services/catalog/records/list_filter.h"
-#include "services/catalog/records/record_access.h"
 #include "services/catalog/records/near_names.h"
+#include "services/catalog/records/record_access.h"
 #include "services/catalog/records/record_page.h"
 #include "services/catalog/records/record_tags.h"
 #include "services/catalog/records/record_users.h"
@@ -107,7 +108,10 @@ absl::StatusOr<Page<v1::Template>> ListTemplates(store::ReadTransaction& transac
         if (!words->Matches(message.name(), {message.title(), message.description()})) {
           return std::nullopt;
         }
-        return templates::SummaryOf(std::move(*bundle.mutable_template_()));
+        const std::vector<std::string> lacks = templates::AnalysisLacks(bundle);
+        v1::Template summary = templates::SummaryOf(std::move(*bundle.mutable_template_()));
+        *summary.mutable_analysis_lacks() = {lacks.begin(), lacks.end()};
+        return summary;
       });
 }
 
@@ -118,6 +122,7 @@ absl::StatusOr<v1::TemplateBundle> Freeze(store::ReadTransaction& transaction,
   ClearWhatTheServiceSays(bundle.mutable_template_());
   bundle.mutable_template_()->clear_placed_template();
   bundle.mutable_template_()->clear_placed_template_revision();
+  bundle.mutable_template_()->clear_analysis_lacks();
   if (message.has_assembly()) {
     MORTISE_RETURN_IF_ERROR(FreezeAssembly(transaction, bundle));
     return bundle;

@@ -21,6 +21,7 @@
 #include "services/simulator/service/analysis_records.h"
 #include "services/simulator/service/file_upkeep.h"
 #include "services/simulator/service/simulator_core.h"
+#include "services/simulator/worker/analysis_setup.h"
 #include "services/simulator/worker/design_conditions.h"
 #include "services/simulator/worker/mesh_case.h"
 #include "services/simulator/worker/subject_metrics.h"
@@ -142,10 +143,14 @@ absl::StatusOr<v1::Task> PrepareDesign(const Simulator& simulator, const rpc::Ca
       const Eigen::VectorXd parameters,
       parametric::CompleteParameters(compiled->design_template->parameters(),
                                      parametric::FromProto(asked.parameters())));
-  MORTISE_ASSIGN_OR_RETURN(const parametric::EvaluatedDesign design,
+  MORTISE_ASSIGN_OR_RETURN(parametric::EvaluatedDesign design,
                            compiled->design_template->Evaluate(parameters));
-  MORTISE_ASSIGN_OR_RETURN(const Physics physics, PhysicsOf(design, asked));
   v1::Task task;
+  if (asked.has_setup()) {
+    *task.mutable_setup() = asked.setup();
+    MORTISE_RETURN_IF_ERROR(AddSetup(*task.mutable_setup(), design));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const Physics physics, PhysicsOf(design, asked));
   task.set_evaluator(kSimulatorQueue);
   task.set_subject(compiled->name);
   task.set_revision(compiled->revision);

@@ -169,6 +169,7 @@ v1::Analysis AnalysisOf(const operations::Operation& operation, const v1::Task& 
   analysis.set_template_(task.subject());
   analysis.set_template_revision(task.revision());
   analysis.set_mesh_file(task.mesh_file());
+  if (task.has_setup()) *analysis.mutable_setup() = task.setup();
   *analysis.mutable_metrics() = report.result().metrics();
   analysis.set_creator(operation.creator);
   resources::CopyTags(task, &analysis);

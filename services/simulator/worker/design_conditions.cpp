@@ -132,7 +132,8 @@ absl::Status CheckSupported(const EvaluatedDesign& design) {
           "nothing holds ", design.template_name,
           ": give it boundary_conditions, at least one of kind FIXED that names a part and "
           "a face of it (or SYMMETRIC or DISPLACEMENT), and loads of kind FORCE, PRESSURE, "
-          "GRAVITY or ROTATION"),
+          "GRAVITY or ROTATION; or give them to the analysis as its setup (mortise analyze "
+          "--support, --load or --setup)"),
       "boundary_conditions");
 }
 

@@ -16,6 +16,7 @@
 #include "services/simulator/analysis/design_analysis.h"
 #include "services/simulator/analysis/design_fields.h"
 #include "services/simulator/worker/analysis_codec.h"
+#include "services/simulator/worker/analysis_setup.h"
 #include "services/simulator/worker/design_conditions.h"
 #include "services/simulator/worker/fields_codec.h"
 #include "services/simulator/worker/mesh_task.h"
@@ -210,6 +211,8 @@ absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task, const TaskContext&
                                                          task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(subject.design,
                            subject.compiled->design_template->Evaluate(subject.parameters));
+  v1::AnalysisSetup setup = task.setup();
+  MORTISE_RETURN_IF_ERROR(AddSetup(setup, subject.design));
   MORTISE_ASSIGN_OR_RETURN(subject.own,
                            CustomMetricsOf(*subject.compiled, task.metric_definitions()));
   return subject;

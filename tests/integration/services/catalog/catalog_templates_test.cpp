@@ -46,6 +46,26 @@ TEST_F(CatalogServiceTest, ShipsACollection) {
   EXPECT_EQ(spruce.density(), 420);
 }
 
+// Whatever somebody imports as that, it is said of what the template has.
+TEST_F(CatalogServiceTest, ListsSayWhatTemplatesLackToBeAnalysed) {
+  v1::Template bare = GetTemplate("templates/table");
+  bare.set_name("templates/bare-table");
+  bare.clear_boundary_conditions();
+  bare.add_analysis_lacks("courage");
+  v1::Template imported;
+  ASSERT_TRUE(
+      Call(&v1::CatalogService::Stub::ImportTemplate, ImportRequest(bare, 0), &imported).ok());
+  EXPECT_EQ(imported.analysis_lacks_size(), 0);
+  v1::ListTemplatesRequest request;
+  request.set_text("table");
+  v1::ListTemplatesResponse response;
+  ASSERT_TRUE(Call(&v1::CatalogService::Stub::ListTemplates, request, &response).ok());
+  std::map<std::string, v1::Template> listed;
+  for (const v1::Template& message : response.templates()) listed[message.name()] = message;
+  EXPECT_THAT(listed["templates/bare-table"].analysis_lacks(), ElementsAre("supports", "loads"));
+  EXPECT_EQ(listed["templates/table"].analysis_lacks_size(), 0);
+}
+
 TEST_F(CatalogServiceTest, EvaluatesTheTable) {
   v1::EvaluateTemplateRequest request;
   request.set_name("templates/table");
