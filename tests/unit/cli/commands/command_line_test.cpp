@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/words/unknown_words.h"
 #include "tests/support/temporary_folder.h"
 
 namespace mortise::cli {
@@ -79,6 +80,42 @@ TEST(CommandLine, UnknownFlagsAreNamed) {
   for (const char* const command : {"up", "down", "status", "demo", "events"}) {
     EXPECT_THAT(Refusal({command, "--hous", "there"}), HasSubstr("--hous")) << command;
   }
+}
+
+// What is said of the words that nobody knows.
+std::string Unknown(std::vector<std::string> arguments) {
+  CLI::App app;
+  Session session;
+  BuildCommandLine(app, session);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ParseError&) {
+    return UnknownWords(app, arguments);
+  }
+  return "";
+}
+
+TEST(CommandLine, UnknownCommandsAreOfferedOthers) {
+  EXPECT_EQ(Unknown({"catlog"}), "there is no command 'catlog'; did you mean 'catalog'?");
+  EXPECT_EQ(Unknown({"catlog", "list", "items"}),
+            "there is no command 'catlog'; did you mean 'catalog'?");
+  EXPECT_EQ(Unknown({"catalog", "lits"}),
+            "there is no command 'lits' of mortise catalog; did you mean 'list'?");
+  EXPECT_THAT(Unknown({"operations", "frobnicate"}), HasSubstr("there are 'list', 'show'"));
+  EXPECT_EQ(Unknown({"catalog", "list", "items"}), "");
+}
+
+TEST(CommandLine, UnknownOptionsAreOfferedOthers) {
+  EXPECT_EQ(Unknown({"plan", "table", "--quantiy", "3"}),
+            "there is no option '--quantiy' of mortise plan; did you mean '--quantity'?");
+  EXPECT_EQ(Unknown({"catalog", "list", "--hous=there"}),
+            "there is no option '--hous' of mortise catalog list; did you mean '--house'?");
+  EXPECT_EQ(Unknown({"status", "--frobnicate"}),
+            "there is no option '--frobnicate' of mortise status");
+}
+
+TEST(CommandLine, WordsTooManyAreNamed) {
+  EXPECT_EQ(Unknown({"plan", "table", "chair"}), "'chair' is one word too many for mortise plan");
 }
 
 // Two gibibytes of nothing, which take no room on the disk.
