@@ -124,6 +124,8 @@ std::string CommandFor(const GatewayOptions& options) {
 
 }  // namespace
 
+std::string GatewayOfEnvironment() { return Environment("MORTISE_GATEWAY"); }
+
 bool HasEnded(const v1::Operation& operation) {
   return operation.state() == v1::Operation::SUCCEEDED ||
          operation.state() == v1::Operation::FAILED ||
@@ -139,7 +141,7 @@ absl::Status ErrorOf(const v1::Operation& operation) {
 }
 
 absl::StatusOr<GatewayClient> GatewayClient::Connect(const GatewayOptions& options) {
-  std::string address = options.address.empty() ? Environment("MORTISE_GATEWAY") : options.address;
+  std::string address = options.address.empty() ? GatewayOfEnvironment() : options.address;
   std::string authority_of_house;
   if (address.empty()) {
     const absl::StatusOr<RunningHouse> house = ReadRunningHouse(options.state);

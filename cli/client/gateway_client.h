@@ -35,6 +35,9 @@ struct GatewayOptions {
   std::filesystem::path state = ".mortise";  // state folder of a house on this machine
 };
 
+// Returns the gateway that MORTISE_GATEWAY names; empty if it names none.
+std::string GatewayOfEnvironment();
+
 class GatewayClient {
  public:
   // NOT_FOUND with what to do if no gateway is named and no house runs here; UNAVAILABLE with the

@@ -19,6 +19,7 @@
 #include "cli/commands/commands.h"
 #include "cli/launcher/house.h"
 #include "cli/launcher/launcher.h"
+#include "cli/client/gateway_client.h"
 #include "cli/launcher/state_folder.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
@@ -212,8 +213,11 @@ absl::Status RemoteStatus(Session& session, Output& output) {
   return absl::OkStatus();
 }
 
-absl::Status Status(Session& session, Output& output) {
-  if (!session.gateway.address.empty()) return RemoteStatus(session, output);
+// A folder that somebody names is meant, whatever gateway the environment has.
+absl::Status Status(Session& session, bool names_folder, Output& output) {
+  const bool is_remote =
+      !session.gateway.address.empty() || (!names_folder && !GatewayOfEnvironment().empty());
+  if (is_remote) return RemoteStatus(session, output);
   MORTISE_ASSIGN_OR_RETURN(const RunningHouse house, HouseThatRuns(session.gateway.state));
   PrintHouse(house, output);
   return absl::OkStatus();
@@ -286,12 +290,18 @@ void AddHouseCommands(CLI::App& app, Session& session) {
   });
 
   CLI::App* status = app.add_subcommand(
-      "status", "What runs where: of a house on this machine, or with --gateway behind that");
-  status->add_option("--state", session.gateway.state, "State folder")->capture_default_str();
+      "status",
+      "What runs where: of a house on this machine, or behind --gateway or MORTISE_GATEWAY");
+  const CLI::Option* const folder_named =
+      status->add_option("--state", session.gateway.state, "State folder")->capture_default_str();
   status->footer(
       "Example: mortise status --json, or elsewhere mortise --gateway 127.0.0.1:7700 status");
-  status->callback([&session] {
-    session.command = [](Session& s, Output& output) { return Status(s, output); };
+  const CLI::Option* const house = app.get_option("--house");
+  status->callback([&session, folder_named, house] {
+    const bool names_folder = !folder_named->empty() || !house->empty();
+    session.command = [names_folder](Session& s, Output& output) {
+      return Status(s, names_folder, output);
+    };
   });
 }
 
