@@ -31,7 +31,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::seconds kStartPatience{60};
+// More than `mortise up` itself has for its processes.
+constexpr std::chrono::seconds kStartPatience{330};
 constexpr std::chrono::milliseconds kLookEvery{20};
 
 struct DemoOptions {

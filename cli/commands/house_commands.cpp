@@ -6,21 +6,27 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "cli/client/ending_signals.h"
 #include "cli/client/flag_checks.h"
+#include "cli/client/gateway_client.h"
 #include "cli/client/session.h"
 #include "cli/commands/commands.h"
 #include "cli/launcher/house.h"
 #include "cli/launcher/launcher.h"
-#include "cli/client/gateway_client.h"
+#include "cli/launcher/start_patience.h"
 #include "cli/launcher/state_folder.h"
+#include "common/base/decimal_number.h"
 #include "common/base/errors.h"
 #include "common/base/logging.h"
 #include "common/base/process.h"
@@ -37,7 +43,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kSuperviseEvery{20};
 constexpr milliseconds kStopPatience{10000};
-constexpr std::chrono::seconds kStartPatience{60};
 
 // Programs stand beside this one; the collection in the source tree or the installed share folder.
 void FillFolders(HouseOptions& options) {
@@ -112,6 +117,23 @@ void PrintPlan(const HousePlan& plan, Output& output) {
   output.Document(document);
 }
 
+// Whether a house that starts is waited for any longer; says so where that takes long.
+absl::Status AwaitStart(const HouseOptions& options, const Launcher& launcher,
+                        StartPatience& patience, Output& output) {
+  using Verdict = StartPatience::Verdict;
+  const Verdict verdict = patience.Look(Clock::now(), launcher.StartProgress());
+  if (verdict == Verdict::kWait) return absl::OkStatus();
+  const std::string starting = absl::StrJoin(launcher.Starting(), ", ");
+  if (verdict == Verdict::kTell) {
+    output.Note(absl::StrCat("still starting: ", starting,
+                             "; as long as they get on they have five minutes in all"));
+    return absl::OkStatus();
+  }
+  return absl::DeadlineExceededError(absl::StrCat(
+      "not all processes serve: nothing moved for a minute, or five minutes are over; ", starting,
+      " did not get ready; their logs are in ", (options.state / "logs").string()));
+}
+
 absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
   FillFolders(options);
   MORTISE_ASSIGN_OR_RETURN(HousePlan plan, PlanHouse(options));
@@ -129,6 +151,7 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
     if (count == 1) output.Note("stopping; Ctrl-C again ends the processes at once");
   });
   const Clock::time_point begin = Clock::now();
+  StartPatience patience(begin);
   Launcher launcher(options, std::move(plan), [](const RunningHouse&) {});
   MORTISE_RETURN_IF_ERROR(launcher.Start());
   bool announced = false;
@@ -145,11 +168,7 @@ absl::Status Up(HouseOptions options, bool dry_run, Output& output) {
       output.Line(absl::StrFormat("all serving after %.1f s; Ctrl-C or `mortise down` stops them",
                                   std::chrono::duration<double>(Clock::now() - begin).count()));
     }
-    if (!announced && Clock::now() - begin > kStartPatience) {
-      return absl::DeadlineExceededError(
-          absl::StrCat("not all processes serve after 60 s; their logs are in ",
-                       (options.state / "logs").string()));
-    }
+    if (!announced) MORTISE_RETURN_IF_ERROR(AwaitStart(options, launcher, patience, output));
     std::this_thread::sleep_for(kSuperviseEvery);
   }
   launcher.Stop(kStopPatience, [&] { return asked > 1; });
@@ -223,6 +242,24 @@ absl::Status Status(Session& session, bool names_folder, Output& output) {
   return absl::OkStatus();
 }
 
+// Takes ports of listeners as they are chosen on the command line.
+void ReadPorts(const std::vector<std::string>& texts, HouseOptions& options) {
+  constexpr std::int64_t kMostPort = 65535;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const auto port = equals == std::string::npos
+                          ? std::nullopt
+                          : DecimalInteger(std::string_view(text).substr(equals + 1));
+    if (!port || *port < 0 || *port > kMostPort || equals == 0) {
+      throw CLI::ValidationError(
+          "--port", absl::StrCat("'", text,
+                                 "' is not of the form LISTENER=PORT, with a port of 0 "
+                                 "(any that is free) to 65535"));
+    }
+    options.ports[text.substr(0, equals)] = static_cast<int>(*port);
+  }
+}
+
 }  // namespace
 
 void AddHouseCommands(CLI::App& app, Session& session) {
@@ -235,6 +272,10 @@ void AddHouseCommands(CLI::App& app, Session& session) {
       "--collection", options->collection,
       "Items and designs that the catalog has from the start, and takes up as they change");
   up->add_flag("--any-ports", options->any_ports, "Any free ports instead of the usual ones");
+  up->add_option_function<std::vector<std::string>>(
+        "--port", [options](const std::vector<std::string>& texts) { ReadPorts(texts, *options); },
+        "LISTENER=PORT instead of its usual one, such as gateway=8700; again for more")
+      ->allow_extra_args(false);
   up->add_option("--workers", options->workers, "Simulator workers; 0 for one a core")
       ->check(CLI::NonNegativeNumber);
   up->add_option("--retrieval-workers", options->retrieval_workers,
@@ -253,6 +294,8 @@ void AddHouseCommands(CLI::App& app, Session& session) {
                  "Public keys of bearer tokens: JSON Web Key Set or PEM");
   up->add_option("--jwks-url", options->jwks_url,
                  "Address that more of them are fetched from, a JSON Web Key Set");
+  up->add_option("--jwks-authority", options->jwks_authority,
+                 "PEM file of who signed that address's certificate, where that is nobody public");
   up->add_option("--cors-origin", options->cors_origins,
                  "Origin whose pages may call over HTTP, as https://plm.example; repeat for each");
   up->add_option("--bridge-token-file", options->bridge_token_file,

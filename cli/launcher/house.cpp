@@ -9,17 +9,48 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "cli/launcher/port_holder.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 
 namespace mortise::cli {
 namespace {
 
-// The loopback address of a listener, kept for it: its usual port, or any that is free.
+constexpr const char* kVirtualCell = "virtual-cell";
+
+const std::map<std::string, int>& UsualPorts() {
+  static const std::map<std::string, int> ports = {
+      {"gateway", 7700},      {"catalog", 7701},     {"simulator", 7702},    {"pareto", 7703},
+      {"fabplanner", 7704},   {"retrieval", 7705},   {"interpolator", 7706}, {"composer", 7707},
+      {"gateway-http", 7780}, {"bus-publish", 7790}, {"bus-subscribe", 7791}};
+  return ports;
+}
+
+// The port that a listener is to have; 0 for any that is free.
+int WantedPort(const HouseOptions& options, const std::string& listener) {
+  const auto chosen = options.ports.find(listener);
+  if (chosen != options.ports.end()) return chosen->second;
+  return options.any_ports ? 0 : UsualPort(listener);
+}
+
+// The failure to have a port, with who has it and how to do without.
+absl::Status PortTaken(const absl::Status& failure, const std::string& listener, int port) {
+  const std::string holder = PortHolder(port);
+  std::string message(failure.message());
+  if (!holder.empty()) absl::StrAppend(&message, ": ", holder, " has it");
+  absl::StrAppend(&message, "; choose another with --port ", listener,
+                  "=PORT, or any that are free with --any-ports");
+  return WithDetail(absl::Status(failure.code(), message), DetailOf(failure));
+}
+
+// The loopback address of a listener, kept for it: the port chosen, its usual one, or any that is
+// free.
 absl::StatusOr<std::string> Reserve(const HouseOptions& options, const std::string& listener,
                                     HousePlan& plan) {
-  const int wanted = options.any_ports ? 0 : UsualPort(listener);
-  MORTISE_ASSIGN_OR_RETURN(PortReservation reservation, PortReservation::Take(wanted, listener));
-  plan.reservations.push_back(std::move(reservation));
+  const int wanted = WantedPort(options, listener);
+  absl::StatusOr<PortReservation> reservation = PortReservation::Take(wanted, listener);
+  if (!reservation.ok()) return PortTaken(reservation.status(), listener, wanted);
+  plan.reservations.push_back(*std::move(reservation));
   return plan.reservations.back().address();
 }
 
@@ -113,7 +144,8 @@ absl::Status CheckFile(const std::string& option, const std::string& path) {
 absl::Status CheckSecurity(const HouseOptions& options) {
   const bool any = !options.tls_certificate.empty() || !options.tls_key.empty() ||
                    !options.tls_authority.empty() || !options.jwt_keys.empty() ||
-                   !options.jwks_url.empty() || !options.bridge_token_file.empty();
+                   !options.jwks_url.empty() || !options.jwks_authority.empty() ||
+                   !options.bridge_token_file.empty();
   if (options.insecure_development) {
     if (!any) return absl::OkStatus();
     return InvalidField("--insecure-development",
@@ -135,12 +167,35 @@ absl::Status CheckSecurity(const HouseOptions& options) {
   MORTISE_RETURN_IF_ERROR(CheckFile("--tls-key", options.tls_key));
   MORTISE_RETURN_IF_ERROR(CheckFile("--tls-authority", options.tls_authority));
   MORTISE_RETURN_IF_ERROR(CheckFile("--jwt-keys", options.jwt_keys));
+  if (!options.jwks_authority.empty() && options.jwks_url.empty()) {
+    return InvalidField("--jwks-authority", "is of --jwks-url, which is missing");
+  }
+  MORTISE_RETURN_IF_ERROR(CheckFile("--jwks-authority", options.jwks_authority));
   return CheckFile("--bridge-token-file", options.bridge_token_file);
+}
+
+// Ports are of listeners that there are, and of one listener each.
+absl::Status CheckPorts(const HouseOptions& options) {
+  const std::vector<std::string> listeners = HouseListeners();
+  std::map<int, std::string> taken;
+  for (const auto& [listener, port] : options.ports) {
+    if (std::find(listeners.begin(), listeners.end(), listener) == listeners.end()) {
+      return InvalidField("--port", absl::StrCat("there is no '", listener, "' in a house",
+                                                 NamesOffered(listener, listeners)));
+    }
+    if (port == 0) continue;
+    const auto [other, is_first] = taken.emplace(port, listener);
+    if (!is_first) {
+      return InvalidField("--port", absl::StrCat(other->second, " and ", listener,
+                                                 " cannot both have port ", port));
+    }
+  }
+  return absl::OkStatus();
 }
 
 // A virtual cell with a chop saw and a jigsaw, and the bridge that drives it.
 absl::Status AddVirtualCell(const HouseOptions& options, HousePlan& plan) {
-  MORTISE_ASSIGN_OR_RETURN(const std::string cell_address, Reserve(options, "virtual-cell", plan));
+  MORTISE_ASSIGN_OR_RETURN(const std::string cell_address, Reserve(options, kVirtualCell, plan));
   HouseProcess cell;
   cell.name = "virtual-cell";
   cell.port_file = options.state / "ports" / "virtual-cell.json";
@@ -178,42 +233,10 @@ absl::Status AddVirtualCell(const HouseOptions& options, HousePlan& plan) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-const std::vector<std::string>& HouseServices() {
-  static const std::vector<std::string> services = {
-      "catalog", "simulator", "pareto", "fabplanner", "retrieval", "composer", "interpolator"};
-  return services;
-}
-
-int UsualPort(const std::string& listener) {
-  static const std::map<std::string, int> ports = {
-      {"gateway", 7700},      {"catalog", 7701},     {"simulator", 7702},    {"pareto", 7703},
-      {"fabplanner", 7704},   {"retrieval", 7705},   {"interpolator", 7706}, {"composer", 7707},
-      {"gateway-http", 7780}, {"bus-publish", 7790}, {"bus-subscribe", 7791}};
-  const auto found = ports.find(listener);
-  return found == ports.end() ? 0 : found->second;
-}
-
-std::string AuthorityOf(const HouseOptions& options) {
-  return options.tls_authority.empty() ? options.tls_certificate : options.tls_authority;
-}
-
-absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
-  MORTISE_RETURN_IF_ERROR(CheckSecurity(options));
-  HousePlan plan;
-  MORTISE_ASSIGN_OR_RETURN(plan.gateway_grpc, Reserve(options, "gateway", plan));
-  MORTISE_ASSIGN_OR_RETURN(plan.gateway_http, Reserve(options, "gateway-http", plan));
-  MORTISE_ASSIGN_OR_RETURN(const std::string bus_publish, Reserve(options, "bus-publish", plan));
-  MORTISE_ASSIGN_OR_RETURN(const std::string bus_subscribe,
-                           Reserve(options, "bus-subscribe", plan));
-  std::vector<std::string> addresses;
-  for (const std::string& name : HouseServices()) {
-    MORTISE_ASSIGN_OR_RETURN(addresses.emplace_back(), Reserve(options, name, plan));
-  }
-  const std::string catalog = "catalog=" + addresses[0];
-  const std::string simulator = "simulator=" + addresses[1];
-
+// The gateway before services at these addresses, in the order of HouseServices.
+HouseProcess Gateway(const HouseOptions& options, const HousePlan& plan,
+                     const std::vector<std::string>& addresses, const std::string& bus_publish,
+                     const std::string& bus_subscribe) {
   HouseProcess gateway;
   gateway.name = "gateway";
   gateway.address = plan.gateway_grpc;
@@ -242,9 +265,55 @@ absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
     Add(gateway, {"--tls-certificate", options.tls_certificate, "--tls-key", options.tls_key});
     if (!options.jwt_keys.empty()) Add(gateway, {"--jwt-keys", options.jwt_keys});
     if (!options.jwks_url.empty()) Add(gateway, {"--jwks-url", options.jwks_url});
+    if (!options.jwks_authority.empty()) {
+      Add(gateway, {"--jwks-authority", options.jwks_authority});
+    }
   }
   for (const std::string& origin : options.cors_origins) Add(gateway, {"--cors-origin", origin});
-  plan.processes.push_back(std::move(gateway));
+  return gateway;
+}
+
+}  // namespace
+
+const std::vector<std::string>& HouseServices() {
+  static const std::vector<std::string> services = {
+      "catalog", "simulator", "pareto", "fabplanner", "retrieval", "composer", "interpolator"};
+  return services;
+}
+
+std::vector<std::string> HouseListeners() {
+  std::vector<std::string> listeners;
+  for (const auto& [listener, port] : UsualPorts()) listeners.push_back(listener);
+  listeners.emplace_back(kVirtualCell);
+  return listeners;
+}
+
+int UsualPort(const std::string& listener) {
+  const auto found = UsualPorts().find(listener);
+  return found == UsualPorts().end() ? 0 : found->second;
+}
+
+std::string AuthorityOf(const HouseOptions& options) {
+  return options.tls_authority.empty() ? options.tls_certificate : options.tls_authority;
+}
+
+absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options) {
+  MORTISE_RETURN_IF_ERROR(CheckSecurity(options));
+  MORTISE_RETURN_IF_ERROR(CheckPorts(options));
+  HousePlan plan;
+  MORTISE_ASSIGN_OR_RETURN(plan.gateway_grpc, Reserve(options, "gateway", plan));
+  MORTISE_ASSIGN_OR_RETURN(plan.gateway_http, Reserve(options, "gateway-http", plan));
+  MORTISE_ASSIGN_OR_RETURN(const std::string bus_publish, Reserve(options, "bus-publish", plan));
+  MORTISE_ASSIGN_OR_RETURN(const std::string bus_subscribe,
+                           Reserve(options, "bus-subscribe", plan));
+  std::vector<std::string> addresses;
+  for (const std::string& name : HouseServices()) {
+    MORTISE_ASSIGN_OR_RETURN(addresses.emplace_back(), Reserve(options, name, plan));
+  }
+  const std::string catalog = "catalog=" + addresses[0];
+  const std::string simulator = "simulator=" + addresses[1];
+
+  plan.processes.push_back(Gateway(options, plan, addresses, bus_publish, bus_subscribe));
 
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     const std::string& name = HouseServices()[i];

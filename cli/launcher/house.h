@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct HouseOptions {
   std::filesystem::path binaries;            // folder of the mortise-* programs
   std::filesystem::path collection;          // items and designs that ship with it
   bool any_ports = false;                    // any free ports instead of the usual ones
+  std::map<std::string, int> ports = {};     // by listener, instead of either; 0 for any
   int workers = 0;                           // simulator workers; 0 for one a core
   int retrieval_workers = 0;                 // beside the service's own threads
   bool virtual_cell = false;                 // also a virtual cell and the bridge to it
@@ -27,6 +29,7 @@ struct HouseOptions {
   std::string tls_authority;                 // PEM file of who signed it; itself if empty
   std::string jwt_keys;                      // file of keys that sign bearer tokens
   std::string jwks_url;                      // address of more of them
+  std::string jwks_authority;                // PEM file of who signed that address's certificate
   std::vector<std::string> cors_origins;     // of pages that may call over HTTP
   std::string bridge_token_file;             // bearer token of the virtual cell's bridge
   double log_megabytes = 10;                 // after which a process begins a new log file
@@ -52,11 +55,14 @@ struct HousePlan {
 std::string AuthorityOf(const HouseOptions& options);
 
 // Chooses ports and writes the command lines. INVALID_ARGUMENT naming the option at fault, or the
-// process whose port is taken.
+// listener whose port is taken, with the process that has it.
 absl::StatusOr<HousePlan> PlanHouse(const HouseOptions& options);
 
 // Returns the services behind the gateway, in the order in which data flows.
 const std::vector<std::string>& HouseServices();
+
+// Returns the names of all listeners that have a port, also those of which UsualPort knows none.
+std::vector<std::string> HouseListeners();
 
 // Returns the usual ports: "gateway" (gRPC), "gateway-http", "bus-publish", "bus-subscribe", and
 // one for each service. The same in compose.yaml.

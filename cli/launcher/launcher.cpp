@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -27,6 +29,22 @@ std::string LastLines(const std::filesystem::path& path) {
   if (!text.ok()) return "";
   constexpr std::size_t kShown = 2000;
   return text->size() > kShown ? text->substr(text->size() - kShown) : *text;
+}
+
+// The time of processors that a process has taken, in ticks of the kernel; 0 if it has ended. Its
+// line in /proc is "pid (name) state …", and a name may have blanks and parentheses.
+std::int64_t ProcessorTicks(pid_t pid) {
+  std::string line;
+  std::getline(std::ifstream(absl::StrCat("/proc/", pid, "/stat")), line);
+  const std::size_t name_end = line.rfind(')');
+  if (name_end == std::string::npos) return 0;
+  std::istringstream words(line.substr(name_end + 1));
+  constexpr int kBeforeUserTime = 11;
+  std::string ignored;
+  for (int i = 0; i < kBeforeUserTime; ++i) words >> ignored;
+  std::int64_t user = 0, system = 0;
+  words >> user >> system;
+  return user + system;
 }
 
 }  // namespace
@@ -116,6 +134,23 @@ absl::Status Launcher::Supervise() {
 
 bool Launcher::Serving() const {
   return std::all_of(children_.begin(), children_.end(), [](const Child& c) { return c.serving; });
+}
+
+std::vector<std::string> Launcher::Starting() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < children_.size(); ++i) {
+    if (!children_[i].serving) names.push_back(plan_.processes[i].name);
+  }
+  return names;
+}
+
+std::int64_t Launcher::StartProgress() const {
+  constexpr std::int64_t kServing = std::int64_t{1} << 40;  // more than any time of processors
+  std::int64_t progress = 0;
+  for (const Child& child : children_) {
+    progress += child.serving ? kServing : child.pid == 0 ? 0 : ProcessorTicks(child.pid);
+  }
+  return progress;
 }
 
 void Launcher::Publish() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -37,6 +38,13 @@ class Launcher {
 
   // Whether every process serves.
   bool Serving() const;
+
+  // Returns the names of those that do not serve yet.
+  std::vector<std::string> Starting() const;
+
+  // Returns a number that changes while processes get on with starting: those that serve, and the
+  // time of processors that the others have taken.
+  std::int64_t StartProgress() const;
 
   const RunningHouse& house() const { return house_; }
 

@@ -118,6 +118,17 @@ TEST(CommandLine, WordsTooManyAreNamed) {
   EXPECT_EQ(Unknown({"plan", "table", "chair"}), "'chair' is one word too many for mortise plan");
 }
 
+TEST(CommandLine, PortsAreOfListenersWithNumbers) {
+  EXPECT_EQ(Refusal({"up", "--insecure-development", "--port", "gateway=8700", "--port",
+                     "gateway-http=0"}),
+            "");
+  for (const char* const wrong : {"gateway", "gateway=", "gateway=x", "gateway=70000", "=1"}) {
+    EXPECT_THAT(Refusal({"up", "--insecure-development", "--port", wrong}),
+                HasSubstr("LISTENER=PORT"))
+        << wrong;
+  }
+}
+
 // Two gibibytes of nothing, which take no room on the disk.
 TEST(CommandLine, AMeshThatIsTooLargeIsRefusedBeforeItIsRead) {
   const mortise::testing::TemporaryFolder folder;

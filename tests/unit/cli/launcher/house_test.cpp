@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +11,9 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
+
+#include "common/base/port_reservation.h"
 
 namespace mortise::cli {
 namespace {
@@ -146,6 +151,61 @@ TEST(PlanHouse, RefusesPlainTextUnlessAskedFor) {
   const absl::Status status = PlanHouse(options).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr("--insecure-development"));
+}
+
+TEST(PlanHouse, TakesThePortsThatAreChosen) {
+  const int port = [] {
+    const auto reserved = PortReservation::Take(0, "port").value();
+    return std::stoi(reserved.address().substr(reserved.address().rfind(':') + 1));
+  }();
+  HouseOptions options = Development();
+  options.ports = {{"gateway", port}};
+  const auto plan = PlanHouse(options);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(plan->gateway_grpc, "127.0.0.1:" + std::to_string(port));
+}
+
+TEST(PlanHouse, NamesListenersThatThereAreNot) {
+  HouseOptions options = Development();
+  options.ports = {{"gatway", 8700}};
+  EXPECT_THAT(std::string(PlanHouse(options).status().message()),
+              HasSubstr("did you mean 'gateway'?"));
+  options.ports = {{"gateway", 8700}, {"catalog", 8700}};
+  EXPECT_THAT(std::string(PlanHouse(options).status().message()),
+              HasSubstr("cannot both have port 8700"));
+}
+
+TEST(PlanHouse, SaysWhoHasAPort) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(::bind(listener, generic, length), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  ASSERT_EQ(::getsockname(listener, generic, &length), 0);
+  HouseOptions options = Development();
+  options.ports = {{"catalog", ntohs(address.sin_port)}};
+  const absl::Status taken = PlanHouse(options).status();
+  EXPECT_EQ(taken.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(taken.message()),
+              testing::AllOf(HasSubstr("catalog"), HasSubstr("--port catalog=PORT"),
+                             HasSubstr("(process " + std::to_string(::getpid()) + ") has it"),
+                             HasSubstr("--any-ports")));
+  ::close(listener);
+}
+
+// The keys may be at an address whose certificate an authority of the company signed.
+TEST(PlanHouse, HandsTheAuthorityOfTheKeysAddressToTheGateway) {
+  HouseOptions options = Development();
+  options.insecure_development = false;
+  options.tls_certificate = options.tls_key = options.jwks_authority = "/proc/self/status";
+  EXPECT_THAT(std::string(PlanHouse(options).status().message()), HasSubstr("--jwks-url"));
+  options.jwks_url = "https://keys.example/jwks";
+  const auto plan = PlanHouse(options);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_THAT(plan->processes[0].command, Contains("--jwks-authority"));
 }
 
 TEST(UsualPort, IsDifferentForEveryListener) {
