@@ -10,9 +10,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
 #include "cli/client/ending_signals.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
+#include "common/base/text_escapes.h"
 
 namespace mortise::cli {
 namespace {
@@ -21,6 +23,11 @@ namespace {
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+// A cell as it is shown: on one line, so that it stands below its title.
+std::string CellText(const std::string& cell) {
+  return absl::StrReplaceAll(EscapeControls(cell), {{"\n", " "}, {"\t", " "}});
 }
 
 std::string TableRow(const std::vector<std::string>& cells,
@@ -37,7 +44,7 @@ std::string TableRow(const std::vector<std::string>& cells,
 
 void Output::Line(const std::string& text) const {
   if (form_ != Form::kText) return;
-  std::printf("%s\n", text.c_str());
+  std::printf("%s\n", EscapeControls(text).c_str());
   std::fflush(stdout);
 }
 
@@ -46,11 +53,15 @@ void Output::Table(const std::vector<std::string>& titles,
   if (form_ != Form::kText) return;
   std::vector<std::size_t> widths;
   for (const std::string& title : titles) widths.push_back(Width(title));
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
+  std::vector<std::vector<std::string>> shown = rows;
+  for (auto& row : shown) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      row[i] = CellText(row[i]);
+      widths[i] = std::max(widths[i], Width(row[i]));
+    }
   }
   std::string text = TableRow(titles, widths);
-  for (const auto& row : rows) text += TableRow(row, widths);
+  for (const auto& row : shown) text += TableRow(row, widths);
   std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }
@@ -75,6 +86,7 @@ void Output::Progress(long done, long total, const std::string& text) {
   } else {
     line = text;
   }
+  line = CellText(line);
   const std::lock_guard lock(mutex_);
   if (form_ == Form::kSilent || line == last_progress_) return;
   last_progress_ = line;
@@ -91,7 +103,7 @@ void Output::Note(const std::string& text) {
   if (form_ == Form::kSilent) return;
   const std::lock_guard lock(mutex_);
   BreakProgress();
-  std::fprintf(stderr, "%s\n", text.c_str());
+  std::fprintf(stderr, "%s\n", EscapeControls(text).c_str());
   std::fflush(stderr);
 }
 
@@ -116,17 +128,19 @@ int Output::Failure(const absl::Status& status) {
                                   {"reason", detail.reason},
                                   {"field", detail.field}};
   const std::vector<FieldViolation> violations = ViolationsOf(status);
+  const std::string message = EscapeControls(std::string(status.message()));
   if (ExitCodeOf(status) > 1) {
     // No failure: what somebody asked for, with commands to copy.
-    std::fprintf(stderr, "mortise: %s\n", std::string(status.message()).c_str());
+    std::fprintf(stderr, "mortise: %s\n", message.c_str());
   } else if (violations.empty()) {
-    std::fprintf(stderr, "mortise: %s (%s)\n", std::string(status.message()).c_str(), code.c_str());
+    std::fprintf(stderr, "mortise: %s (%s)\n", message.c_str(), code.c_str());
   } else {
     // The message has them all in one line, and may be cut short.
     std::fprintf(stderr, "mortise: %zu findings (%s)\n", violations.size(), code.c_str());
   }
   for (const FieldViolation& violation : violations) {
-    std::fprintf(stderr, "  %s: %s\n", violation.field.c_str(), violation.message.c_str());
+    std::fprintf(stderr, "  %s: %s\n", EscapeControls(violation.field).c_str(),
+                 EscapeControls(violation.message).c_str());
     error["violations"].push_back({{"field", violation.field}, {"message", violation.message}});
   }
   Document({{"error", error}});

@@ -11,6 +11,26 @@ std::string CsvField(std::string_view text) {
   return absl::StrCat("\"", absl::StrReplaceAll(AbslView(text), {{"\"", "\"\""}}), "\"");
 }
 
+std::string EscapeControls(std::string_view text) {
+  std::string shown;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // U+0080 to U+009F, in UTF-8, do what escape sequences do.
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    const bool is_wide = byte == 0xC2 && next >= 0x80 && next <= 0x9F;
+    const bool is_control = (byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7F;
+    if (is_wide) {
+      absl::StrAppend(&shown, "\\x", absl::Hex(next, absl::kZeroPad2));
+      ++i;
+    } else if (is_control) {
+      absl::StrAppend(&shown, "\\x", absl::Hex(byte, absl::kZeroPad2));
+    } else {
+      shown += text[i];
+    }
+  }
+  return shown;
+}
+
 std::string EscapeXml(std::string_view text) {
   return absl::StrReplaceAll(
       AbslView(text),

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 namespace mortise {
 namespace {
 
@@ -11,6 +13,16 @@ TEST(TextEscapes, FieldsOfCsvAreQuotedWhereTheyMustBe) {
   EXPECT_EQ(CsvField("1,5"), "\"1,5\"");
   EXPECT_EQ(CsvField("3/4\" pipe"), "\"3/4\"\" pipe\"");
   EXPECT_EQ(CsvField("two\r\nlines"), "\"two\r\nlines\"");
+}
+
+TEST(TextEscapes, TerminalsGetNoControlCharacters) {
+  EXPECT_EQ(EscapeControls("plain Stühle\n\tand more"), "plain Stühle\n\tand more");
+  EXPECT_EQ(EscapeControls("\x1b[31mred\x07"), "\\x1b[31mred\\x07");
+  EXPECT_EQ(EscapeControls("over\rwritten\x7f"), "over\\x0dwritten\\x7f");
+  EXPECT_EQ(EscapeControls("\xC2\x9B"
+                           "2J"),
+            "\\x9b2J");
+  EXPECT_EQ(EscapeControls(std::string_view("a\0b", 3)), "a\\x00b");
 }
 
 TEST(TextEscapes, XmlHasNoCharacterThatMeansSomething) {
