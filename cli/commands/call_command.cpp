@@ -38,6 +38,16 @@ void FillRequestId(Message& request) {
   }
 }
 
+// The failure of a call, with how to wait for longer where it was not waited for long enough.
+absl::Status WithLongerWait(const absl::Status& failure, double seconds) {
+  if (!absl::IsDeadlineExceeded(failure)) return failure;
+  return WithDetail(
+      absl::DeadlineExceededError(absl::StrCat(
+          "there was no answer within ", seconds,
+          " s; give it more time with --seconds, such as --seconds 600, or 0 for no end")),
+      {"DEADLINE_EXCEEDED", "--seconds"});
+}
+
 absl::Status Call(const CallOptions& options, Session& session, Output& output) {
   MORTISE_ASSIGN_OR_RETURN(GatewayClient* const client, session.Client());
   Reflection reflection(*client);
@@ -56,7 +66,7 @@ absl::Status Call(const CallOptions& options, Session& session, Output& output) 
 
   nlohmann::ordered_json responses = nlohmann::ordered_json::array();
   const std::string path = absl::StrCat("/", method->service()->full_name(), "/", method->name());
-  MORTISE_RETURN_IF_ERROR(CallGeneric(
+  const absl::Status called = CallGeneric(
       *client, path, request->SerializeAsString(), options.seconds, [&](const std::string& bytes) {
         const std::unique_ptr<Message> response(factory.GetPrototype(method->output_type())->New());
         if (!response->ParseFromString(bytes)) return false;
@@ -64,7 +74,8 @@ absl::Status Call(const CallOptions& options, Session& session, Output& output) 
         output.Line(document.dump(2));
         if (!output.text()) responses.push_back(document);
         return true;
-      }));
+      });
+  MORTISE_RETURN_IF_ERROR(WithLongerWait(called, options.seconds));
   output.Document(method->server_streaming()
                       ? responses
                       : (responses.empty() ? nlohmann::ordered_json::object() : responses.front()));
@@ -98,7 +109,8 @@ void AddCallCommand(CLI::App& app, Session& session) {
   call->add_option("method", options->method, "SERVICE.METHOD, such as catalog.GetItem")
       ->required();
   call->add_option("request", options->request, "The request as JSON; - for standard input");
-  call->add_option("--seconds", options->seconds, "Deadline; 0 for none")->capture_default_str();
+  call->add_option("--seconds", options->seconds, "How long to wait for the answer; 0 for no end")
+      ->capture_default_str();
   call->footer(R"(Example: mortise call catalog.GetTemplate '{"name": "templates/table"}')");
   call->callback([&session, options] {
     session.command = [options](Session& s, Output& output) { return Call(*options, s, output); };
