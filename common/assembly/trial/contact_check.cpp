@@ -313,7 +313,7 @@ const mesh::ProbedSurface& ContactCheck::Probed(const Part& part) {
   return *part.probed;
 }
 
-double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) const {
+double ContactCheck::SeparationOf(const Part& a, const Part& b, const Question& question) const {
   const double boxes = Separation(a.box, b.box);
   if (boxes > tolerance_ || (a.shape == nullptr && b.shape == nullptr)) return boxes;
   double missed = 0;  // by the triangles of curved faces
@@ -321,12 +321,21 @@ double ContactCheck::SeparationOf(const Part& a, const Part& b, bool how_deep) c
     if (part->shape != nullptr) missed += mesh::DeflectionIn(*part->shape, part->placed->stretch);
   }
   // What only touches the other's box reaches nowhere into it.
-  const bool may_be_deep = how_deep && boxes < -tolerance_;
-  const auto measure =
-      may_be_deep ? mesh::ProbedSurface::Separation : mesh::ProbedSurface::Distance;
-  const double apart = measure(Probed(a), Probed(b), missed + kFurthest);
+  const bool may_be_deep = question.shallowest < kInfinity && boxes < -tolerance_;
+  const double limit = missed + question.furthest;
+  const double apart = may_be_deep ? mesh::ProbedSurface::Separation(Probed(a), Probed(b), limit,
+                                                                     missed + question.shallowest)
+                                   : mesh::ProbedSurface::Distance(Probed(a), Probed(b), limit);
   if (apart > 0) return std::min(std::max(apart - missed, 0.0), kFurthest);
   return std::min(apart + missed, 0.0);
+}
+
+double ContactCheck::GapOf(const Part& part, const std::vector<Part>& others) const {
+  double gap = kInfinity;
+  for (const Part& other : others) {
+    gap = std::min(gap, SeparationOf(part, other, {kFurthest, kInfinity}));
+  }
+  return gap;
 }
 
 ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
@@ -337,7 +346,7 @@ ContactCheck::Meeting ContactCheck::MeetingOf(const std::vector<Part>& a,
   for (const Part& part : a) {
     bool touches = false;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const double separation = SeparationOf(part, b[j], true);
+      const double separation = SeparationOf(part, b[j], {tolerance_, tolerance_});
       if (separation > tolerance_) continue;
       meeting.is_clear &= separation >= -tolerance_;
       touches = true;
@@ -357,8 +366,6 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   // Told once, of the parts of a pattern rather than of what they all touch.
   const bool each_of_second = meeting.all_of_second && b.size() > 1;
   const bool each_of_first = meeting.all_of_first && (a.size() > 1 || !each_of_second);
-  std::vector<double> second_gap(b.size(), kInfinity);
-  double gap = kInfinity;
   const auto lose = [&](ContactFault lost, const Part& part, const Part& other, double by) {
     lost.kind = ContactFault::Kind::kLostContact;
     lost.first = part.placed->name;
@@ -368,13 +375,19 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
   };
   ContactFault turned = fault;
   std::swap(turned.first_element, turned.second_element);
+  // What is within the other as drawn may be, however deep. How wide a gap is, is measured only
+  // where one is told of.
+  const Question question{tolerance_, meeting.is_clear ? penetration : kInfinity};
+  std::vector<bool> second_touches(b.size(), false);
+  bool any_touches = false;
   for (const Part& part : a) {
-    double first_gap = kInfinity;
+    bool touches = false;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      // What is within the other as drawn may be, however deep.
-      const double separation = SeparationOf(part, b[j], meeting.is_clear);
-      first_gap = std::min(first_gap, separation);
-      second_gap[j] = std::min(second_gap[j], separation);
+      const double separation = SeparationOf(part, b[j], question);
+      if (separation <= tolerance_) {
+        touches = true;
+        second_touches[j] = true;
+      }
       if (meeting.is_clear && -separation > penetration) {
         fault.kind = ContactFault::Kind::kPenetration;
         fault.first = part.placed->name;
@@ -383,14 +396,17 @@ void ContactCheck::CheckPair(const Meeting& meeting, const std::vector<Part>& a,
         faults.push_back(fault);
       }
     }
-    gap = std::min(gap, first_gap);
-    if (each_of_first && first_gap > tolerance_) lose(fault, part, b.front(), first_gap);
+    any_touches |= touches;
+    if (each_of_first && !touches) lose(fault, part, b.front(), GapOf(part, b));
   }
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (each_of_second && second_gap[j] > tolerance_) lose(turned, b[j], a.front(), second_gap[j]);
+    if (each_of_second && !second_touches[j]) lose(turned, b[j], a.front(), GapOf(b[j], a));
   }
   const bool told = each_of_first || each_of_second;
-  if (meeting.any && !told && gap > tolerance_) lose(fault, a.front(), b.front(), gap);
+  if (!meeting.any || told || any_touches) return;
+  double gap = kInfinity;
+  for (const Part& part : a) gap = std::min(gap, GapOf(part, b));
+  lose(fault, a.front(), b.front(), gap);
 }
 
 void ContactCheck::CheckSizes(const Parts& parts, std::vector<ContactFault>& faults) const {

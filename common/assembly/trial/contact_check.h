@@ -103,9 +103,16 @@ class ContactCheck {
     std::map<std::pair<std::size_t, std::size_t>, MeetingRegion> of;
   };
 
-  // Returns how far two parts are apart, m, or minus how deep they reach into each other. The depth
-  // is the dear part of it for parts with shapes, and only asked for where it matters.
-  double SeparationOf(const Part& a, const Part& b, bool how_deep) const;
+  // What is to be known of how two parts stand to each other; the less, the sooner it is told.
+  struct Question {
+    double furthest = 0;    // m; solids in each other's boxes that are further apart are just that
+    double shallowest = 0;  // m; parts that reach no deeper into each other just touch
+  };
+  // Returns how far two parts are apart, m, or minus how deep they reach into each other. What the
+  // triangles may miss is neither.
+  double SeparationOf(const Part& a, const Part& b, const Question& question) const;
+  // Returns how far a part is from the nearest of others, m.
+  double GapOf(const Part& part, const std::vector<Part>& others) const;
   static const mesh::ProbedSurface& Probed(const Part& part);
   // Whether one map stretches both elements, in a pose by its index, from where they are drawn.
   // Nothing can then be wrong between them that is not wrong as drawn.

@@ -124,22 +124,33 @@ std::vector<std::size_t> TrianglesIn(const CGAL::Bbox_3& where, const Surface& s
   return found;
 }
 
-// Measures triangles of two surfaces; what is further apart than the nearest so far is passed over.
+// Measures triangles of two surfaces; what is further apart than `tolerance`, or than the nearest
+// so far, is passed over.
 class NearestTriangles {
  public:
-  NearestTriangles(const Surface& a, const Surface& b) : a_(a), b_(b) {}
+  NearestTriangles(const Surface& a, const Surface& b, double tolerance)
+      : a_(a), b_(b), passed_over_(JustBeyond(tolerance)) {}
 
   void Measure(std::size_t i, std::size_t j) {
-    if (SquaredDistance(a_.boxes[i], b_.boxes[j]) >= squared_) return;
+    if (SquaredDistance(a_.boxes[i], b_.boxes[j]) >= passed_over_) return;
     squared_ = std::min(squared_, SquaredDistance(a_.triangles[i], b_.triangles[j]));
     if (squared_ <= kRounding * kRounding) squared_ = 0;
+    passed_over_ = std::min(passed_over_, squared_);
   }
 
+  // Infinite if nothing was measured.
   double squared() const { return squared_; }
 
  private:
+  // The square of a little more: what is just as far apart counts, however it is rounded.
+  static double JustBeyond(double tolerance) {
+    const double beyond = tolerance * (1 + 1e-12) + kRounding;
+    return beyond * beyond;
+  }
+
   const Surface& a_;
   const Surface& b_;
+  double passed_over_;
   double squared_ = std::numeric_limits<double>::infinity();
 };
 
@@ -148,7 +159,7 @@ double DistanceWithin(const Surface& a, const Surface& b, double tolerance) {
   constexpr std::size_t kMaxPairs = 100'000;  // that are looked at one by one
   const std::vector<std::size_t> of_a = TrianglesIn(Grown(b.box, tolerance), a);
   const std::vector<std::size_t> of_b = TrianglesIn(Grown(a.box, tolerance), b);
-  NearestTriangles nearest(a, b);
+  NearestTriangles nearest(a, b, tolerance);
   const bool one_by_one = of_a.size() * of_b.size() <= kMaxPairs;
   double reach = tolerance;
   std::vector<Triangles::const_iterator> near;
@@ -201,8 +212,9 @@ bool Encloses(const Surface& outer, const Surface& inner) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
-                                                       double tolerance) {
+absl::StatusOr<std::vector<Proximity>> FindProximities(
+    const std::vector<SurfaceMesh>& surfaces, double tolerance,
+    const std::function<bool(std::size_t)>& goes_on) {
   if (!std::isfinite(tolerance) || tolerance < 0) {
     return InvalidField("tolerance", "must be a finite length that is not negative");
   }
@@ -223,6 +235,7 @@ absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<Surface
       if (!std::isfinite(distance)) continue;
       proximities.push_back({static_cast<int>(i), static_cast<int>(j), distance});
     }
+    if (!goes_on(i + 1)) return absl::CancelledError("nobody waits for the contacts any more");
   }
   return proximities;
 }
@@ -231,12 +244,26 @@ absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<Surface
 
 struct ProbedSurface::Prepared {
   std::unique_ptr<const Surface> surface;
-  std::vector<Segment> edges;  // each once
+  std::vector<Point> vertices;  // of its edges, each once
+  std::vector<Segment> edges;   // each once
 };
 
 namespace {
 
 constexpr std::size_t kMaxProbes = 4000;  // points whose depth is measured
+
+std::vector<Point> VerticesOf(const SurfaceMesh& mesh) {
+  std::vector<bool> is_used(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  for (const int vertex : mesh.triangles.reshaped()) {
+    is_used[static_cast<std::size_t>(vertex)] = true;
+  }
+  std::vector<Point> vertices;
+  for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex) {
+    if (!is_used[vertex]) continue;
+    vertices.push_back(ToPoint(mesh.vertices.col(static_cast<Eigen::Index>(vertex))));
+  }
+  return vertices;
+}
 
 std::vector<Segment> EdgesOf(const SurfaceMesh& mesh) {
   std::vector<Segment> edges;
@@ -298,33 +325,59 @@ double MostDepth(const CGAL::Bbox_3& part, const CGAL::Bbox_3& whole) {
   return most;
 }
 
-// How deep edges of `a` reach into `b`.
-double DepthOf(const std::vector<Segment>& edges, const Surface& b) {
-  double deepest = 0;
-  std::size_t probes = 0;
+// Measures how deep points lie in a solid; what is no deeper than the deepest so far, or than
+// `least`, m, is passed over.
+class DeepestPoint {
+ public:
+  DeepestPoint(const Surface& solid, double least)
+      : solid_(solid), deepest_(std::max(least, kRounding)), least_(deepest_) {}
+
+  // Whether some point of what is in the box may be deeper than all before.
+  bool MayBeDeeper(const CGAL::Bbox_3& part) const {
+    return MostDepth(part, solid_.box) > deepest_ && probes_ < kMaxProbes;
+  }
+
+  void Measure(const Point& point) {
+    if (!MayBeDeeper(point.bbox())) return;
+    ++probes_;
+    // Most points of what only touches lie near a face: that there is one is soon found, and which
+    // is nearest is not asked.
+    if (solid_.tree().do_intersect(Kernel::Sphere_3(point, deepest_ * deepest_))) return;
+    const double depth = std::sqrt(solid_.tree().squared_distance(point));
+    if (depth > deepest_ && IsWithin(point, solid_)) deepest_ = depth;
+  }
+
+  // 0 if nothing was deeper than `least`.
+  double depth() const { return deepest_ > least_ ? deepest_ : 0; }
+
+ private:
+  const Surface& solid_;
+  double deepest_;  // m
+  const double least_;
+  std::size_t probes_ = 0;
+};
+
+// How deep vertices and edges reach into `solid`; 0 if no deeper than `least`, m.
+double DepthOf(const std::vector<Point>& vertices, const std::vector<Segment>& edges,
+               const Surface& solid, double least) {
+  DeepestPoint deepest(solid, least);
+  for (const Point& vertex : vertices) deepest.Measure(vertex);
   std::vector<Triangles::const_iterator> met;
-  const auto probe = [&](const Point& point) {
-    if (MostDepth(point.bbox(), b.box) <= std::max(deepest, kRounding) || ++probes > kMaxProbes) {
-      return;
-    }
-    const double squared = b.tree().squared_distance(point);
-    if (squared > deepest * deepest && IsWithin(point, b)) deepest = std::sqrt(squared);
-  };
   for (const Segment& edge : edges) {
-    if (MostDepth(edge.bbox(), b.box) <= std::max(deepest, kRounding)) continue;
-    const std::vector<double> along = Crossings(edge, b, met);
-    probe(edge.source());
+    if (!deepest.MayBeDeeper(edge.bbox())) continue;
+    const std::vector<double> along = Crossings(edge, solid, met);
     for (std::size_t i = 1; i < along.size(); ++i) {
-      probe(edge.source() + 0.5 * (along[i - 1] + along[i]) * edge.to_vector());
+      deepest.Measure(edge.source() + 0.5 * (along[i - 1] + along[i]) * edge.to_vector());
     }
   }
-  return deepest;
+  return deepest.depth();
 }
 
 }  // namespace
 
 ProbedSurface::ProbedSurface(const SurfaceMesh& surface)
-    : prepared_(std::make_shared<const Prepared>(Prepared{Prepare(surface), EdgesOf(surface)})) {}
+    : prepared_(std::make_shared<const Prepared>(
+          Prepared{Prepare(surface), VerticesOf(surface), EdgesOf(surface)})) {}
 
 double ProbedSurface::Distance(const ProbedSurface& a, const ProbedSurface& b, double limit) {
   const Surface& first = *a.prepared_->surface;
@@ -338,11 +391,14 @@ double ProbedSurface::Distance(const ProbedSurface& a, const ProbedSurface& b, d
   return distance > 0 && (Encloses(first, second) || Encloses(second, first)) ? 0 : distance;
 }
 
-double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit) {
+double ProbedSurface::Separation(const ProbedSurface& a, const ProbedSurface& b, double limit,
+                                 double least) {
   const double distance = Distance(a, b, limit);
   if (distance > 0) return distance;
-  return -std::max(DepthOf(a.prepared_->edges, *b.prepared_->surface),
-                   DepthOf(b.prepared_->edges, *a.prepared_->surface));
+  const auto depth = [least](const Prepared& part, const Prepared& solid) {
+    return DepthOf(part.vertices, part.edges, *solid.surface, least);
+  };
+  return -std::max(depth(*a.prepared_, *b.prepared_), depth(*b.prepared_, *a.prepared_));
 }
 
 }  // namespace mortise::mesh

@@ -1,6 +1,7 @@
 // Finds which surfaces come near each other: the connectivity graph of a design (thesis §3.4.1).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -23,9 +24,11 @@ struct Proximity {
 // finite.
 //
 // It uses axis-aligned bounding box trees (CGAL): about O(n log n) for n triangles, as long as most
-// of them are far apart.
-absl::StatusOr<std::vector<Proximity>> FindProximities(const std::vector<SurfaceMesh>& surfaces,
-                                                       double tolerance);
+// of them are far apart. `goes_on` is told after each surface how many have been held against those
+// after them; CANCELLED soon after it returns false.
+absl::StatusOr<std::vector<Proximity>> FindProximities(
+    const std::vector<SurfaceMesh>& surfaces, double tolerance,
+    const std::function<bool(std::size_t done)>& goes_on = [](std::size_t) { return true; });
 
 // A closed surface that is asked again and again how it stands to others. Immutable; copies share
 // what was prepared.
@@ -35,13 +38,16 @@ class ProbedSurface {
   explicit ProbedSurface(const SurfaceMesh& surface);
 
   // Returns how far the solids within two surfaces are apart, m, infinity beyond `limit`; 0 where
-  // they meet or reach into each other.
+  // they meet or reach into each other. The smaller the limit, the less is looked at.
   static double Distance(const ProbedSurface& a, const ProbedSurface& b, double limit);
 
   // Returns the same distance, but where the solids reach into each other minus the depth. That is
   // the largest distance from the surface of the one that a point of the other's edges within it
-  // has; 0 if they only touch.
-  static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit);
+  // has; 0 if they only touch, or reach no deeper than `least`, m. Of round parts that fit into
+  // each other all points lie near the other's surface, and a few tenths of a millimetre spare
+  // nearly all of the work.
+  static double Separation(const ProbedSurface& a, const ProbedSurface& b, double limit,
+                           double least = 0);
 
   struct Prepared;
 

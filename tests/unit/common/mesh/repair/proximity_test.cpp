@@ -164,5 +164,89 @@ TEST(ProbedSurface, TellsGapsContactsAndDepths) {
   EXPECT_NEAR(separation(cube, Box({0.3, 0.3, 0.3}, {0.7, 0.7, 0.7})), -0.3, 1e-12) << "enclosed";
 }
 
+// A tube with flat sides about z, closed: a rod if `inner` is 0.
+SurfaceMesh Tube(double inner, double outer, double height, int sides, double turned) {
+  const bool is_rod = inner == 0;
+  const int rings = is_rod ? 2 : 4;
+  SurfaceMesh tube;
+  tube.vertices.resize(3, rings * sides + (is_rod ? 2 : 0));
+  for (int k = 0; k < sides; ++k) {
+    const double angle = turned + 2 * std::acos(-1.0) * k / sides;
+    const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), 0);
+    tube.vertices.col(k) = outer * direction;
+    tube.vertices.col(sides + k) = outer * direction + height * Eigen::Vector3d::UnitZ();
+    if (is_rod) continue;
+    tube.vertices.col(2 * sides + k) = inner * direction + height * Eigen::Vector3d::UnitZ();
+    tube.vertices.col(3 * sides + k) = inner * direction;
+  }
+  std::vector<Eigen::Vector3i> triangles;
+  const auto add_band = [&](int from, int to) {
+    for (int k = 0; k < sides; ++k) {
+      const int next = (k + 1) % sides;
+      triangles.emplace_back(from * sides + k, from * sides + next, to * sides + next);
+      triangles.emplace_back(from * sides + k, to * sides + next, to * sides + k);
+    }
+  };
+  add_band(0, 1);
+  if (is_rod) {
+    const int bottom = 2 * sides, top = bottom + 1;
+    tube.vertices.col(bottom).setZero();
+    tube.vertices.col(top) = height * Eigen::Vector3d::UnitZ();
+    for (int k = 0; k < sides; ++k) {
+      const int next = (k + 1) % sides;
+      triangles.emplace_back(bottom, next, k);
+      triangles.emplace_back(top, sides + k, sides + next);
+    }
+  } else {
+    add_band(1, 2);
+    add_band(2, 3);
+    add_band(3, 0);
+  }
+  tube.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    tube.triangles.col(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+  return tube;
+}
+
+// What is not asked for is told sooner, and what is asked for just the same.
+TEST(ProbedSurface, TellsTheSameWithinWhatIsAsked) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  constexpr double kFar = 0.05, kNear = 2e-4, kLeast = 3e-4;  // m
+  int apart = 0, near = 0, shallow = 0, deep = 0;
+  for (int round = 0; round < 400; ++round) {
+    const SurfaceMesh tube = Tube(0.01, 0.015, 0.02, 24, uniform(random));
+    const double radius = 0.01 + 1.2e-3 * (uniform(random) - 0.5);
+    const Eigen::Isometry3d motion(
+        Eigen::Translation3d(4e-4 * uniform(random), 0, 0.01 * (uniform(random) - 0.5)));
+    const ProbedSurface a(tube);
+    const ProbedSurface b(Moved(Tube(0, radius, 0.02, 20, uniform(random)), motion));
+    const double all = ProbedSurface::Separation(a, b, kFar);
+    const double asked = ProbedSurface::Separation(a, b, kNear, kLeast);
+    if (all > 0) {
+      EXPECT_EQ(asked, all <= kNear ? all : std::numeric_limits<double>::infinity());
+    } else {
+      EXPECT_EQ(asked, -all > kLeast ? all : 0) << round;
+    }
+    ++(all > kNear ? apart : all > 0 ? near : -all <= kLeast ? shallow : deep);
+  }
+  EXPECT_GT(apart, 10);
+  EXPECT_GT(near, 10);
+  EXPECT_GT(shallow, 10);
+  EXPECT_GT(deep, 10);
+}
+
+TEST(Proximity, IsGivenUpWhenNobodyWaits) {
+  const SurfaceMesh cube = Box({0, 0, 0}, {1, 1, 1});
+  std::vector<std::size_t> told;
+  const auto found = FindProximities({cube, cube, cube}, 0, [&](std::size_t done) {
+    told.push_back(done);
+    return done < 2;
+  });
+  EXPECT_TRUE(absl::IsCancelled(found.status())) << found.status();
+  EXPECT_EQ(told, std::vector<std::size_t>({1, 2}));
+}
+
 }  // namespace
 }  // namespace mortise::mesh
