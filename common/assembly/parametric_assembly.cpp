@@ -13,6 +13,7 @@
 #include "common/assembly/relations/principal_patterns.h"
 #include "common/assembly/trial/design_trial.h"
 #include "common/assembly/trial/drawn_contacts.h"
+#include "common/assembly/trial/near_misses.h"
 #include "common/assembly/trial/pattern_losses.h"
 #include "common/base/errors.h"
 #include "common/base/names/offered_names.h"
@@ -222,7 +223,12 @@ absl::Status ParametricAssembly::Solve(std::vector<Relationship> anchored, Loose
                              FeasibleSet::Create(anchored, DrawnParameters(assembly_, elements_),
                                                  VariablesWithin(assembly_, elements_, 0),
                                                  ParentsOf(assembly_), &solver));
-    if (loose == LoosePolicy::kRefuse) return CheckBounded(assembly_, elements_, *feasible_set_);
+    if (loose == LoosePolicy::kRefuse) {
+      return CheckBounded(assembly_, elements_, *feasible_set_,
+                          [this](const std::vector<int>& free) {
+                            return TellOfNearMisses(assembly_, elements_, tolerance_, free);
+                          });
+    }
     MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set_->UnboundedDirection());
     if (!free) return absl::OkStatus();
     relationships_.push_back(HoldWhatMoves(assembly_, elements_, *free));

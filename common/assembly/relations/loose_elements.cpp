@@ -26,10 +26,14 @@ absl::StatusOr<bool> AreBounded(const FeasibleSet& feasible_set,
   return true;
 }
 
-// What elements can do without end: "'lamp' can move along x, z".
-absl::StatusOr<std::vector<std::string>> LooseElements(const std::vector<Element>& elements,
-                                                       const FeasibleSet& feasible_set) {
-  std::vector<std::string> loose;
+struct LooseElement {
+  int element = 0;   // by index
+  std::string does;  // what it can do without end: "'lamp' can move along x, z"
+};
+
+absl::StatusOr<std::vector<LooseElement>> LooseElements(const std::vector<Element>& elements,
+                                                        const FeasibleSet& feasible_set) {
+  std::vector<LooseElement> loose;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     std::vector<std::string> moves, grows;
     for (const Axis axis : kAxes) {
@@ -44,7 +48,8 @@ absl::StatusOr<std::vector<std::string>> LooseElements(const std::vector<Element
     if (!moves.empty()) changes.push_back("move along " + absl::StrJoin(moves, ", "));
     if (!grows.empty()) changes.push_back("grow along " + absl::StrJoin(grows, ", "));
     if (changes.empty()) continue;
-    loose.push_back(absl::StrCat("'", elements[e].name, "' can ", absl::StrJoin(changes, " and ")));
+    loose.push_back({static_cast<int>(e), absl::StrCat("'", elements[e].name, "' can ",
+                                                       absl::StrJoin(changes, " and "))});
   }
   return loose;
 }
@@ -121,10 +126,18 @@ void TakeNearest(const std::vector<Place>& moved, const std::vector<Place>& stil
 }  // namespace
 
 absl::Status CheckBounded(const Assembly& assembly, const std::vector<Element>& elements,
-                          const FeasibleSet& feasible_set) {
+                          const FeasibleSet& feasible_set,
+                          const std::function<std::string(const std::vector<int>&)>& explain) {
   MORTISE_ASSIGN_OR_RETURN(const auto free, feasible_set.UnboundedDirection());
   if (!free) return absl::OkStatus();
-  MORTISE_ASSIGN_OR_RETURN(std::vector<std::string> loose, LooseElements(elements, feasible_set));
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<LooseElement> loose_elements,
+                           LooseElements(elements, feasible_set));
+  std::vector<int> indices;
+  std::vector<std::string> loose;
+  for (const LooseElement& element : loose_elements) {
+    indices.push_back(element.element);
+    loose.push_back(element.does);
+  }
   if (loose.empty()) {
     for (const Joint& joint : assembly.joints) {
       loose.push_back(absl::StrCat("the centre of '", joint.name, "' can move"));
@@ -140,7 +153,7 @@ absl::Status CheckBounded(const Assembly& assembly, const std::vector<Element>& 
       "FEASIBLE_SET_UNBOUNDED",
       absl::StrCat(absl::StrJoin(loose, "; "), more, " without end: nothing that ",
                    is_one ? "it touches" : "they touch", ", and no item, holds ",
-                   is_one ? "it" : "them"));
+                   is_one ? "it" : "them", explain(indices)));
 }
 
 Relationship HoldWhatMoves(const Assembly& assembly, const std::vector<Element>& elements,

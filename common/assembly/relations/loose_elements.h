@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -13,9 +15,12 @@
 namespace mortise::parametric {
 
 // FAILED_PRECONDITION, FEASIBLE_SET_UNBOUNDED, naming the first ten elements that the feasible set
-// lets move or grow without end, with their axes; OK if there is none, decided exactly.
-absl::Status CheckBounded(const Assembly& assembly, const std::vector<Element>& elements,
-                          const FeasibleSet& feasible_set);
+// lets move or grow without end, with their axes; OK if there is none, decided exactly. What
+// `explain` says of all such elements, by index, is told after that.
+absl::Status CheckBounded(
+    const Assembly& assembly, const std::vector<Element>& elements, const FeasibleSet& feasible_set,
+    const std::function<std::string(const std::vector<int>& loose)>& explain =
+        [](const std::vector<int>&) { return std::string(); });
 
 // Returns what ends a change of q that can be followed without end (FeasibleSet's
 // UnboundedDirection): of what it moves, that which lies nearest to something that it does not move

@@ -9,27 +9,64 @@
 
 namespace mortise::parametric {
 
-absl::StatusOr<TouchingParts> FindTouchingParts(const Assembly& assembly, double tolerance) {
+namespace {
+
+// The parts of an assembly as they are drawn.
+struct DrawnSurfaces {
   std::vector<mesh::SurfaceMesh> surfaces;
-  surfaces.reserve(assembly.parts.size());
-  std::vector<double> deflections;  // by which triangles may miss curved faces
-  for (const AssemblyPart& part : assembly.parts) {
-    surfaces.push_back(SurfaceOf(part));
-    deflections.push_back(part.shape == nullptr ? 0
-                                                : mesh::DeflectionIn(*part.shape, part.box.size()));
+  std::vector<double> deflections;  // m, by which triangles may miss curved faces
+
+  double MostDeflection() const {
+    return deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());
   }
-  const double most =
-      deflections.empty() ? 0 : *std::max_element(deflections.begin(), deflections.end());
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
-                           mesh::FindProximities(surfaces, tolerance + 2 * most));
+  // By how much the triangles of two parts may miss their distance, m.
+  double MissedBy(const mesh::Proximity& pair) const {
+    return deflections[static_cast<std::size_t>(pair.first)] +
+           deflections[static_cast<std::size_t>(pair.second)];
+  }
+};
+
+DrawnSurfaces SurfacesOf(const Assembly& assembly) {
+  DrawnSurfaces drawn;
+  drawn.surfaces.reserve(assembly.parts.size());
+  for (const AssemblyPart& part : assembly.parts) {
+    drawn.surfaces.push_back(SurfaceOf(part));
+    drawn.deflections.push_back(
+        part.shape == nullptr ? 0 : mesh::DeflectionIn(*part.shape, part.box.size()));
+  }
+  return drawn;
+}
+
+}  // namespace
+
+absl::StatusOr<TouchingParts> FindTouchingParts(
+    const Assembly& assembly, double tolerance,
+    const std::function<bool(std::size_t done)>& goes_on) {
+  const DrawnSurfaces drawn = SurfacesOf(assembly);
+  MORTISE_ASSIGN_OR_RETURN(
+      const std::vector<mesh::Proximity> proximities,
+      mesh::FindProximities(drawn.surfaces, tolerance + 2 * drawn.MostDeflection(), goes_on));
   TouchingParts touching;
   for (const mesh::Proximity& proximity : proximities) {
-    const double missed = deflections[static_cast<std::size_t>(proximity.first)] +
-                          deflections[static_cast<std::size_t>(proximity.second)];
-    if (proximity.distance > tolerance + missed) continue;
+    if (proximity.distance > tolerance + drawn.MissedBy(proximity)) continue;
     touching.insert(std::minmax(proximity.first, proximity.second));
   }
   return touching;
+}
+
+absl::StatusOr<std::vector<NearMiss>> FindNearMisses(const Assembly& assembly, double tolerance,
+                                                     double furthest) {
+  const DrawnSurfaces drawn = SurfacesOf(assembly);
+  MORTISE_ASSIGN_OR_RETURN(const std::vector<mesh::Proximity> proximities,
+                           mesh::FindProximities(drawn.surfaces, furthest));
+  std::vector<NearMiss> misses;
+  for (const mesh::Proximity& proximity : proximities) {
+    if (proximity.distance <= tolerance + drawn.MissedBy(proximity)) continue;
+    misses.push_back({proximity.first, proximity.second, proximity.distance});
+  }
+  std::stable_sort(misses.begin(), misses.end(),
+                   [](const NearMiss& a, const NearMiss& b) { return a.gap < b.gap; });
+  return misses;
 }
 
 std::vector<int> ConnectingTogether(const Assembly& assembly, const TouchingParts& touching) {
