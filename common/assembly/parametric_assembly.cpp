@@ -141,28 +141,55 @@ const char* MeasureKindName(MeasureKind kind) {
 
 absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
     Assembly assembly, const std::function<bool()>& is_given_up,
-    const std::vector<const ParametricAssembly*>& known, LoosePolicy loose) {
+    const std::vector<const ParametricAssembly*>& known, LoosePolicy loose,
+    const SearchOptions& search) {
   ParametricAssembly made;
   made.assembly_ = std::move(assembly);
   made.tolerance_ = ToleranceOf(made.assembly_);
   EqualitySolver solver = SolverOf(known);
-  MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, loose, solver));
+  const bool is_known =
+      search.outcome != nullptr && NamesPartsOf(*search.outcome, made.assembly_.parts.size());
+  if (is_known) {
+    made.outcome_ = *search.outcome;
+    MORTISE_RETURN_IF_ERROR(made.TakeSoundFeasibleSet(loose, solver));
+  } else {
+    MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, loose, solver, search.progress));
+  }
   made.solved_systems_ = solver.solved();
   made.placement_.emplace(*made.feasible_set_, made.elements_,
                           FindConnections(made.assembly_, made.elements_, made.contacts_,
                                           made.relationships_, made.tolerance_));
-  made.contact_check_.emplace(made.assembly_, made.elements_, made.tolerance_);
   MORTISE_ASSIGN_OR_RETURN(made.in_proportion_,
                            made.feasible_set_->Rescaled(ScalesOf(
                                made.elements_, made.drawn(), AssemblyDiagonal(made.assembly_))));
   return made;
 }
 
+const ContactCheck& ParametricAssembly::contact_check() const {
+  std::call_once(contact_check_->is_made,
+                 [this] { contact_check_->check.emplace(assembly_, elements_, tolerance_); });
+  return *contact_check_->check;
+}
+
+absl::Status ParametricAssembly::TakeSoundFeasibleSet(LoosePolicy loose, EqualitySolver& solver) {
+  ShapeFeatures known;
+  return FindFeasibleSet(outcome_.touching, known,
+                         {outcome_.pattern_losses, outcome_.repair_plan.lone},
+                         outcome_.repair_plan.known_conflicts, loose, solver)
+      .status();
+}
+
 absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()>& is_given_up,
-                                                      LoosePolicy loose, EqualitySolver& solver) {
-  MORTISE_ASSIGN_OR_RETURN(const TouchingParts touching, FindTouchingParts(assembly_, tolerance_));
-  PatternLosses pattern_losses;
-  RepairPlan repair_plan;
+                                                      LoosePolicy loose, EqualitySolver& solver,
+                                                      const SearchProgress& progress) {
+  auto& [touching, pattern_losses, repair_plan] = outcome_;
+  const auto parts = static_cast<std::int64_t>(assembly_.parts.size());
+  progress("looking for contacts", 0, parts);
+  MORTISE_ASSIGN_OR_RETURN(
+      touching, FindTouchingParts(assembly_, tolerance_, [&](std::size_t done) {
+        progress("looking for contacts", static_cast<std::int64_t>(done), parts);
+        return !is_given_up();
+      }));
   ShapeFeatures known;
   repair_plan.lone = RowsInBoresOfOne(assembly_, MakeElements(assembly_, tolerance_, {}, known),
                                       tolerance_, known);
@@ -173,6 +200,7 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
   };
   while (true) {
     if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
+    progress("solving relationships", 0, 0);
     MORTISE_ASSIGN_OR_RETURN(const FitCounts fits,
                              FindFeasibleSet(touching, known, {pattern_losses, repair_plan.lone},
                                              repair_plan.known_conflicts, loose, solver));
@@ -182,7 +210,11 @@ absl::Status ParametricAssembly::FindSoundFeasibleSet(const std::function<bool()
     if (has_more(pattern_losses, lost)) continue;
     MORTISE_ASSIGN_OR_RETURN(
         const RepairPlan found,
-        TryDesigns(assembly_, elements_, *feasible_set_, repair_plan, tolerance_, is_given_up));
+        TryDesigns(assembly_, elements_, *feasible_set_, repair_plan, tolerance_, is_given_up,
+                   [&](std::size_t done, std::size_t total) {
+                     progress("trying designs", static_cast<std::int64_t>(done),
+                              static_cast<std::int64_t>(total));
+                   }));
     KnownConflicts& known_conflicts = repair_plan.known_conflicts;
     bool is_sound = !has_more(repair_plan.lone, found.lone);
     is_sound &= !has_more(known_conflicts.kept_apart, found.known_conflicts.kept_apart);

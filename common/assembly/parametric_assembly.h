@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -30,6 +31,7 @@
 #include "common/assembly/relations/relationship.h"
 #include "common/assembly/trial/contact_check.h"
 #include "common/assembly/trial/drawn_contacts.h"
+#include "common/assembly/trial/search_outcome.h"
 
 namespace mortise::parametric {
 
@@ -71,6 +73,14 @@ enum class LoosePolicy {
             // design whose neighbours are gone lie as they lay (loose_elements.h)
 };
 
+// What the searches of a parametrisation need not find, and whom they tell how far they are.
+struct SearchOptions {
+  // What they came to for the same assembly before, by the same version of them; null if nobody
+  // knows. Nothing refers to it afterwards.
+  const SearchOutcome* outcome = nullptr;
+  SearchProgress progress = [](const char*, std::int64_t, std::int64_t) {};
+};
+
 struct Adjustment {
   Eigen::VectorXd q;            // feasible
   std::vector<double> reached;  // m, of each demand
@@ -93,15 +103,22 @@ class ParametricAssembly {
   // and the component that comes to it, is not made anew where it is the same: systems of
   // equalities with the same coefficients (equality_solver.h). The result is what it would be
   // without them, to the bit. Nothing refers to them afterwards.
+  //
+  // So it is with what the searches came to before (SearchOptions): with it one round of solving is
+  // all that is left to do.
   static absl::StatusOr<ParametricAssembly> Create(
       Assembly assembly, const std::function<bool()>& is_given_up = [] { return false; },
       const std::vector<const ParametricAssembly*>& known = {},
-      LoosePolicy loose = LoosePolicy::kRefuse);
+      LoosePolicy loose = LoosePolicy::kRefuse, const SearchOptions& search = {});
 
   const Assembly& assembly() const { return assembly_; }
   double tolerance() const { return tolerance_; }  // m: a millionth of the design's diagonal
   const std::vector<Element>& elements() const { return elements_; }
   const Contacts& contacts() const { return contacts_; }
+
+  // Returns what the searches came to, for those who keep it for the same assembly.
+  const SearchOutcome& search_outcome() const { return outcome_; }
+
   const std::vector<Relationship>& relationships() const { return relationships_; }
   const FeasibleSet& feasible_set() const { return *feasible_set_; }
 
@@ -173,7 +190,7 @@ class ParametricAssembly {
   // Says whether the design can be looked at there, feasible or not, as
   // ContactCheck::CheckParameters does.
   absl::Status CheckParameters(const Eigen::VectorXd& q) const {
-    return contact_check_->CheckParameters(q);
+    return contact_check().CheckParameters(q);
   }
 
   // Returns all parts at q, in the pose the design is drawn in. CheckParameters must be OK.
@@ -189,7 +206,7 @@ class ParametricAssembly {
 
   // Returns what is wrong with the design at q, in every rest pose: see ContactCheck.
   absl::StatusOr<std::vector<ContactFault>> FaultsAt(const Eigen::VectorXd& q) const {
-    return contact_check_->FaultsAt(q);
+    return contact_check().FaultsAt(q);
   }
 
  private:
@@ -197,7 +214,9 @@ class ParametricAssembly {
   // Makes the feasible set anew until no pattern might lose what it touches, and none of the
   // designs that are tried has a fault that could be helped.
   absl::Status FindSoundFeasibleSet(const std::function<bool()>& is_given_up, LoosePolicy loose,
-                                    EqualitySolver& solver);
+                                    EqualitySolver& solver, const SearchProgress& progress);
+  // Makes the feasible set that the searches have come to, of which outcome_ is known.
+  absl::Status TakeSoundFeasibleSet(LoosePolicy loose, EqualitySolver& solver);
   // Makes everything up to the feasible set, and returns how many things fit into each element.
   absl::StatusOr<FitCounts> FindFeasibleSet(const TouchingParts& touching, ShapeFeatures& known,
                                             const PatternExclusions& exclusions,
@@ -213,9 +232,17 @@ class ParametricAssembly {
                                       const std::vector<Demand>& demands) const;
   absl::StatusOr<Adjustment> PlaceConnecting(const Eigen::VectorXd& q,
                                              const std::vector<Demand>& demands) const;
+  // Made when somebody first looks at a design: who only asks what can be changed needs none.
+  const ContactCheck& contact_check() const;
+
+  struct CheckOnDemand {
+    std::once_flag is_made;
+    std::optional<ContactCheck> check;
+  };
 
   Assembly assembly_;
   double tolerance_ = 0;
+  SearchOutcome outcome_;
   std::vector<Element> elements_;
   Contacts contacts_;
   std::vector<Relationship> relationships_;
@@ -224,7 +251,7 @@ class ParametricAssembly {
   std::optional<FeasibleSet> feasible_set_;
   std::optional<FeasibleSet> in_proportion_;  // the same, sizes measured by themselves
   std::optional<ConnectionPlacement> placement_;
-  std::optional<ContactCheck> contact_check_;
+  std::shared_ptr<CheckOnDemand> contact_check_ = std::make_shared<CheckOnDemand>();
 };
 
 }  // namespace mortise::parametric

@@ -128,6 +128,20 @@ void AddLevels(const PlacedPart& part, Axis axis, v1::PlacedPart& message) {
   }
 }
 
+// The assembly of a bundle, or the sub-tree below a group of it, by itself.
+absl::StatusOr<Assembly> DrawnAssemblyOf(const v1::AssemblyBundle& bundle,
+                                         const std::string& group) {
+  std::vector<Item> items;
+  for (const v1::Item& message : bundle.items()) {
+    MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
+    items.push_back(std::move(item));
+  }
+  MORTISE_ASSIGN_OR_RETURN(const ShapesByName shapes, FromProto(bundle.shapes()));
+  MORTISE_ASSIGN_OR_RETURN(Assembly assembly, FromProto(bundle.assembly(), items, shapes));
+  if (!group.empty()) return SubTreeOf(assembly, group);
+  return assembly;
+}
+
 }  // namespace
 
 absl::StatusOr<Measure> FromProto(const v1::Measure& message, const std::string& field) {
@@ -169,19 +183,20 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
   return ParametrizeKnowing({}, bundle, is_given_up, group, LoosePolicy::kRefuse);
 }
 
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeWith(
+    const SearchOptions& search, const v1::AssemblyBundle& bundle,
+    const std::function<bool()>& is_given_up, const std::string& group) {
+  MORTISE_ASSIGN_OR_RETURN(Assembly assembly, DrawnAssemblyOf(bundle, group));
+  MORTISE_ASSIGN_OR_RETURN(ParametricAssembly parametrized,
+                           ParametricAssembly::Create(std::move(assembly), is_given_up, {},
+                                                      LoosePolicy::kRefuse, search));
+  return std::make_shared<const ParametricAssembly>(std::move(parametrized));
+}
+
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(
     const std::vector<const ParametricAssembly*>& known, const v1::AssemblyBundle& bundle,
     const std::function<bool()>& is_given_up, const std::string& group, LoosePolicy loose) {
-  std::vector<Item> items;
-  for (const v1::Item& message : bundle.items()) {
-    MORTISE_ASSIGN_OR_RETURN(Item item, FromProto(message));
-    items.push_back(std::move(item));
-  }
-  MORTISE_ASSIGN_OR_RETURN(const ShapesByName shapes, FromProto(bundle.shapes()));
-  MORTISE_ASSIGN_OR_RETURN(Assembly assembly, FromProto(bundle.assembly(), items, shapes));
-  if (!group.empty()) {
-    MORTISE_ASSIGN_OR_RETURN(assembly, SubTreeOf(assembly, group));
-  }
+  MORTISE_ASSIGN_OR_RETURN(Assembly assembly, DrawnAssemblyOf(bundle, group));
   MORTISE_ASSIGN_OR_RETURN(
       ParametricAssembly parametrized,
       ParametricAssembly::Create(std::move(assembly), is_given_up, known, loose));

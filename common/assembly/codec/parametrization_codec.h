@@ -33,6 +33,11 @@ absl::StatusOr<std::shared_ptr<const ParametricAssembly>> Parametrize(
     const v1::AssemblyBundle& bundle,
     const std::function<bool()>& is_given_up = [] { return false; }, const std::string& group = "");
 
+// Does the same; `search` is of the assembly, or of the sub-tree below `group`.
+absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeWith(
+    const SearchOptions& search, const v1::AssemblyBundle& bundle,
+    const std::function<bool()>& is_given_up, const std::string& group);
+
 // Does the same; what is `known` need not be found again, and changes nothing else. `loose` says
 // what becomes of elements that nothing holds.
 absl::StatusOr<std::shared_ptr<const ParametricAssembly>> ParametrizeKnowing(

@@ -1,6 +1,7 @@
 #include "common/assembly/trial/design_trial.h"
 
 #include <algorithm>
+#include <future>
 #include <random>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@ constexpr int kFitsLookedAt = 250;  // true shapes take a hundred times as long 
 constexpr int kPartsWithFits = 800;
 constexpr int kMinOfFits = 8;
 constexpr int kMaxOfFits = 60;
+constexpr std::size_t kAtATime = 2;  // designs that are looked at, each by a thread
 constexpr std::uint64_t kSeed = 1;
 constexpr double kRigid = 1e-9;  // rows of an orthonormal basis this short say that nothing moves
 
@@ -111,6 +113,26 @@ std::vector<Element> WithShapesOf(const Pairs& pairs, std::vector<Element> eleme
   return elements;
 }
 
+using Faults = std::vector<ContactFault>;
+
+// What is wrong with each of the designs from `first` on, as many as are looked at at a time; of
+// those that cannot be looked at, as they have more parts than anybody may ask for, nothing.
+std::vector<absl::StatusOr<Faults>> FaultsOf(const ContactCheck& check,
+                                             const std::vector<Eigen::VectorXd>& designs,
+                                             std::size_t first) {
+  const auto look = [&check](const Eigen::VectorXd& q) -> absl::StatusOr<Faults> {
+    if (!check.CheckParameters(q).ok()) return Faults();
+    return check.FaultsAt(q);
+  };
+  std::vector<std::future<absl::StatusOr<Faults>>> others;
+  for (std::size_t i = first + 1; i < std::min(first + kAtATime, designs.size()); ++i) {
+    others.push_back(std::async(std::launch::async, look, std::cref(designs[i])));
+  }
+  std::vector<absl::StatusOr<Faults>> all = {look(designs[first])};
+  for (auto& other : others) all.push_back(other.get());
+  return all;
+}
+
 class Trial {
  public:
   Trial(const Assembly& assembly, const std::vector<Element>& elements, Pairs fits,
@@ -201,7 +223,8 @@ class Trial {
 absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
                                       const std::vector<Element>& elements,
                                       const FeasibleSet& feasible_set, const RepairPlan& known,
-                                      double tolerance, const std::function<bool()>& is_given_up) {
+                                      double tolerance, const std::function<bool()>& is_given_up,
+                                      const std::function<void(std::size_t, std::size_t)>& tried) {
   const bool has_patterns =
       std::any_of(elements.begin(), elements.end(),
                   [](const Element& element) { return element.pattern.has_value(); });
@@ -212,12 +235,14 @@ absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
                              [&](int a, int b) { return trial.CanHelp(a, b); });
     MORTISE_ASSIGN_OR_RETURN(const std::vector<Eigen::VectorXd> designs,
                              TrialDesigns(feasible_set, corners));
-    for (const Eigen::VectorXd& q : designs) {
+    for (std::size_t i = 0; i < designs.size(); i += kAtATime) {
       if (is_given_up()) return absl::CancelledError("nobody waits for the designs any more");
-      if (!check.CheckParameters(q).ok()) continue;  // more parts than anybody may ask for
-      MORTISE_ASSIGN_OR_RETURN(const std::vector<ContactFault> faults, check.FaultsAt(q));
-      for (const ContactFault& fault : faults) trial.Mend(fault);
-      if (trial.HasFitted()) break;
+      for (const absl::StatusOr<Faults>& faults : FaultsOf(check, designs, i)) {
+        MORTISE_RETURN_IF_ERROR(faults.status());
+        for (const ContactFault& fault : *faults) trial.Mend(fault);
+        if (trial.HasFitted()) return absl::OkStatus();
+      }
+      tried(std::min(i + kAtATime, designs.size()), designs.size());
     }
     return absl::OkStatus();
   };

@@ -37,10 +37,14 @@ struct RepairPlan {
 // Parts count as their boxes but for shapes that may move or stretch against what they touch.
 // Nothing of `known` is returned again, and nothing for designs without patterns, rest poses and
 // such shapes. The same designs are tried whenever the same is asked. Fails as FeasibleSet::Corners
-// and ContactCheck::FaultsAt do; CANCELLED if `is_given_up`, which is asked before each design.
-absl::StatusOr<RepairPlan> TryDesigns(const Assembly& assembly,
-                                      const std::vector<Element>& elements,
-                                      const FeasibleSet& feasible_set, const RepairPlan& known,
-                                      double tolerance, const std::function<bool()>& is_given_up);
+// and ContactCheck::FaultsAt do; CANCELLED if `is_given_up`, which is asked before each two
+// designs. `tried` is told how many designs have been tried, and of how many. Two are tried at a
+// time, each by a thread of its own; what they show is taken in their order, so that threads change
+// nothing.
+absl::StatusOr<RepairPlan> TryDesigns(
+    const Assembly& assembly, const std::vector<Element>& elements, const FeasibleSet& feasible_set,
+    const RepairPlan& known, double tolerance, const std::function<bool()>& is_given_up,
+    const std::function<void(std::size_t done, std::size_t total)>& tried = [](std::size_t,
+                                                                               std::size_t) {});
 
 }  // namespace mortise::parametric

@@ -24,7 +24,7 @@ class Catalog {
 
   store::Store* const store;
   store::BlobFolder* const blobs;
-  ParametrizationCache parametrized{std::size_t{256} << 20};                    // 256 MiB
+  ParametrizationCache parametrized{std::size_t{256} << 20, store};             // 256 MiB
   TemplateCache compiled{std::size_t{256} << 20, parametrized.ForTemplates()};  // 256 MiB
   DrawingSource drawings;
 };

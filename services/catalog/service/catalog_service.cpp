@@ -81,6 +81,7 @@ absl::StatusOr<std::vector<std::shared_ptr<grpc::Service>>> MakeServices(
   if (!collection.empty()) {
     MORTISE_RETURN_IF_ERROR(
         LoadCollection(*environment.store, collection, catalog->parametrized).status());
+    catalog->parametrized.KeepWhatWasFound();
   }
   return std::vector<std::shared_ptr<grpc::Service>>{
       std::make_shared<CatalogAdapter>(environment, catalog),
