@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
 #include "cli/client/tag_options.h"
+#include "cli/files/import_call.h"
 #include "cli/files/shape_files.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
@@ -111,6 +113,19 @@ absl::StatusOr<int64_t> PresentRevision(const std::string& name, Stub& stub,
   return present.revision();
 }
 
+// The call that imports what a request says under a name.
+template <typename Request>
+ImportCall WatchedCall(const Request& request, const std::string& name,
+                       const std::function<absl::Status(grpc::ClientContext&)>& make, Stub& stub,
+                       const GatewayClient& client) {
+  return {.request_id = request.request_id(),
+          .name = name,
+          .before = request.expected_revision(),
+          .seconds = kLargeFileSeconds,
+          .make = make,
+          .present = [name, &stub, &client] { return PresentRevision(name, stub, client); }};
+}
+
 void Tell(const v1::Assembly& stored, int64_t before, const std::vector<std::string>& notes,
           Output& output, nlohmann::ordered_json& document) {
   const bool changed = stored.revision() != before;
@@ -182,11 +197,11 @@ absl::Status ImportDrawing(const std::filesystem::path& file, const ImportOption
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
   }
   v1::ImportAssemblyStepResponse imported;
-  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
-      },
-      kLargeFileSeconds)));
+  const auto import = [&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.ImportAssemblyStep(&context, request, &imported));
+  };
+  MORTISE_RETURN_IF_ERROR(sources.Name(MakeWatched(
+      WatchedCall(request, request.annotations().name(), import, stub, client), client, output)));
   Tell(imported.assembly(), request.expected_revision(),
        {imported.notes().begin(), imported.notes().end()}, output, document);
   return absl::OkStatus();
@@ -211,11 +226,11 @@ absl::Status ImportMesh(const std::filesystem::path& file, const ImportOptions& 
     MORTISE_ASSIGN_OR_RETURN(*request.mutable_drawing(), Upload(packed, stub, client));
   }
   v1::ImportAssemblyMeshResponse imported;
-  MORTISE_RETURN_IF_ERROR(sources.Name(client.Call(
-      [&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub.ImportAssemblyMesh(&context, request, &imported));
-      },
-      kLargeFileSeconds)));
+  const auto import = [&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.ImportAssemblyMesh(&context, request, &imported));
+  };
+  MORTISE_RETURN_IF_ERROR(sources.Name(MakeWatched(
+      WatchedCall(request, request.annotations().name(), import, stub, client), client, output)));
   Tell(imported.assembly(), request.expected_revision(),
        {imported.notes().begin(), imported.notes().end()}, output, document);
   return absl::OkStatus();
@@ -260,10 +275,13 @@ absl::Status ImportText(const std::filesystem::path& file, const v1::Assembly& a
   v1::Assembly stored;
   FieldSources sources;
   sources.AddFile("assembly", file.string());
-  MORTISE_RETURN_IF_ERROR(
-      WithShapeFaults(of_shapes, sources.Name(client.Call([&](grpc::ClientContext& context) {
-        return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
-      }))));
+  const auto import = [&](grpc::ClientContext& context) {
+    return rpc::FromGrpc(stub.ImportAssembly(&context, request, &stored));
+  };
+  MORTISE_RETURN_IF_ERROR(WithShapeFaults(
+      of_shapes,
+      sources.Name(MakeWatched(WatchedCall(request, assembly.name(), import, stub, client), client,
+                               output))));
   Tell(stored, before, notes, output, document);
   return absl::OkStatus();
 }

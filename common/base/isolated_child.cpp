@@ -24,6 +24,8 @@ extern char** environ;
 namespace mortise {
 namespace {
 
+constexpr std::chrono::milliseconds kPauseBetweenQuestions{200};  // whether somebody still waits
+
 // A file descriptor that is closed with this object.
 class Descriptor {
  public:
@@ -99,15 +101,22 @@ class Child {
         answer.end = ChildAnswer::End::kOutOfTime;
         return answer;
       }
+      if (options.is_given_up && options.is_given_up()) {
+        answer.end = ChildAnswer::End::kGivenUp;
+        return answer;
+      }
       pollfd state = {socket_, POLLIN, 0};
       if (!question.empty()) state.events |= POLLOUT;
-      ::poll(&state, 1, static_cast<int>(left.count()));
+      const auto wait = options.is_given_up ? std::min(left, kPauseBetweenQuestions) : left;
+      ::poll(&state, 1, static_cast<int>(wait.count()));
       if ((state.revents & POLLOUT) != 0) Send(question);
       if ((state.revents & (POLLIN | POLLHUP | POLLERR)) == 0) continue;
+      const std::size_t before = answer.bytes.size();
       if (!Receive(answer.bytes)) {
         answer.signal = End();
         return answer;
       }
+      if (options.heard) options.heard(std::string_view(answer.bytes).substr(before));
       if (answer.bytes.size() > options.max_answer) {
         answer.end = ChildAnswer::End::kAnswerTooLong;
         return answer;

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,10 @@ struct ChildOptions {
   std::string argument;                           // which makes the program a child; its only one
   std::chrono::seconds time_limit{120};           // by the clock
   std::size_t max_answer = std::size_t{1} << 30;  // bytes
+  // Is told each piece of the answer as it comes, for those who show how far the child is.
+  std::function<void(std::string_view piece)> heard = {};
+  // Is asked several times a second; the child is killed soon after it says so. Unset: never.
+  std::function<bool()> is_given_up = {};
 };
 
 struct ChildAnswer {
@@ -27,6 +32,7 @@ struct ChildAnswer {
     kFinished,       // the child closed its end, by itself or because it crashed
     kOutOfTime,      // it was killed, because `time_limit` was over
     kAnswerTooLong,  // it was killed, because it answered with more than `max_answer`
+    kGivenUp,        // it was killed, because nobody waits for the answer any more
   };
   std::string bytes;  // what it wrote until then
   End end = End::kFinished;

@@ -35,7 +35,8 @@
 namespace mortise::cad {
 namespace {
 
-constexpr int kMaxDepth = 64;  // levels of sub-assemblies
+constexpr int kMaxDepth = 64;                             // levels of sub-assemblies
+constexpr std::size_t kMaxLookedAt = 10 * kMaxStepParts;  // occurrences, to count their solids
 constexpr double kSameTurn = 1e-12;
 constexpr double kSameScale = 1e-12;
 
@@ -95,17 +96,19 @@ int FacesOf(const TopoDS_Shape& solid) {
 class Collector {
  public:
   Collector(const Handle(TDocStd_Document) & document, const StepOperators& operators,
-            const StepPlaces& places, StepAssembly& assembly)
+            const StepPlaces& places, const StepProgress& progress, StepAssembly& assembly)
       : shapes_(XCAFDoc_DocumentTool::ShapeTool(document->Main())),
         colors_(XCAFDoc_DocumentTool::ColorTool(document->Main())),
         operators_(operators),
         places_(places),
+        progress_(progress),
         assembly_(assembly) {}
 
   absl::StatusOr<TopTools_MapOfShape> Collect() {
     TDF_LabelSequence roots;
     shapes_->GetFreeShapes(roots);
     assembly_.groups.push_back({});
+    for (const TDF_Label& root : roots) solids_ += SolidsAt(root, 0);
     // One assembly is the root itself.
     const bool is_one = roots.Length() == 1 && IsAssembly(roots.First());
     for (const TDF_Label& root : roots) {
@@ -123,6 +126,22 @@ class Collector {
 
  private:
   // ---- The tree ---------------------------------------------------------------------------------
+
+  // How many solids stand in what a label refers to, as far as they can be parts.
+  std::size_t SolidsAt(const TDF_Label& occurrence, int depth) {
+    if (++looked_at_ > kMaxLookedAt) return 0;
+    TDF_Label product = occurrence;
+    if (XCAFDoc_ShapeTool::IsReference(occurrence)) {
+      XCAFDoc_ShapeTool::GetReferredShape(occurrence, product);
+    }
+    if (!IsAssembly(product)) return SolidsOf(XCAFDoc_ShapeTool::GetShape(product)).size();
+    if (depth > kMaxDepth) return 0;
+    TDF_LabelSequence components;
+    XCAFDoc_ShapeTool::GetComponents(product, components);
+    std::size_t count = 0;
+    for (const TDF_Label& component : components) count += SolidsAt(component, depth + 1);
+    return count;
+  }
 
   // Whether the file says that something stands in it; the kernel makes assemblies of other things.
   bool IsAssembly(const TDF_Label& product) const {
@@ -244,6 +263,7 @@ class Collector {
       SetShape(where, part);
     }
     assembly_.parts.push_back(std::move(part));
+    if (progress_) progress_(assembly_.parts.size(), std::max(solids_, assembly_.parts.size()));
   }
 
   struct LabelledSolid {
@@ -404,7 +424,10 @@ class Collector {
   const Handle(XCAFDoc_ColorTool) colors_;
   const StepOperators& operators_;
   const StepPlaces& places_;
+  const StepProgress& progress_;
   StepAssembly& assembly_;
+  std::size_t solids_ = 0;     // that stand in the document
+  std::size_t looked_at_ = 0;  // occurrences, while these were counted
   // By the label's path in the document and the solid's index there; scale, whether it is mirrored.
   std::map<std::tuple<std::string, std::size_t, double, bool>, int> products_;
   std::map<std::pair<std::string, std::size_t>, std::optional<Eigen::Affine3d>> mirrors_;
@@ -423,8 +446,10 @@ class Collector {
 
 absl::StatusOr<TopTools_MapOfShape> CollectParts(const Handle(TDocStd_Document) & document,
                                                  const StepOperators& operators,
-                                                 const StepPlaces& places, StepAssembly& assembly) {
-  return Collector(document, operators, places, assembly).Collect();
+                                                 const StepPlaces& places,
+                                                 const StepProgress& progress,
+                                                 StepAssembly& assembly) {
+  return Collector(document, operators, places, progress, assembly).Collect();
 }
 
 }  // namespace mortise::cad

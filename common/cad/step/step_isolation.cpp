@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
@@ -25,8 +26,9 @@ constexpr std::size_t kMaxMemory = std::size_t{4} << 30;  // bytes of addresses
 constexpr std::size_t kMaxSeconds = 6;
 constexpr std::size_t kMaxSecondsPerMebibyte = 20;
 
-// What the child writes, a line each: any number of faults, then one of the others. A line begins
-// with what it is.
+// What the child writes, a line each: any number of faults, how far it is now and then, then one of
+// the others. A line begins with what it is.
+constexpr std::string_view kProgress = "progress ";
 constexpr std::string_view kFault = "fault ";
 constexpr std::string_view kInvalid = "invalid ";
 constexpr std::string_view kTooLarge = "too-large ";
@@ -50,6 +52,39 @@ bool TakePrefix(std::string_view& text, std::string_view prefix) {
   text.remove_prefix(prefix.size());
   return true;
 }
+
+// Tells of the lines of an answer that say how far the child is, as they come.
+class ProgressLines {
+ public:
+  explicit ProgressLines(const StepProgress& told) : told_(told) {}
+
+  void Hear(std::string_view piece) {
+    for (const char c : piece) {
+      if (c == '\n') {
+        Tell();
+        line_.clear();
+      } else if (line_.size() < kLongest) {
+        line_ += c;
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kLongest = 64;  // of other lines no more than this is looked at
+
+  void Tell() const {
+    std::string_view line = line_;
+    if (!TakePrefix(line, kProgress)) return;
+    const std::vector<std::string> counts = absl::StrSplit(std::string(line), ' ');
+    std::size_t done = 0, total = 0;
+    const bool is_told = counts.size() == 2 && absl::SimpleAtoi(counts[0], &done) &&
+                         absl::SimpleAtoi(counts[1], &total);
+    if (is_told) told_(done, total);
+  }
+
+  const StepProgress& told_;
+  std::string line_;
+};
 
 // What the child said in the end; nothing if it said no more than faults, which go to `faults`.
 std::optional<absl::StatusOr<StepAssembly>> Understand(const std::string& answer,
@@ -77,9 +112,13 @@ int RunStepChild() {
   LimitChildMemory(kMaxMemory);
   const std::string bytes = ReadQuestion(kMaxStepBytes);
   LimitChildTime(TimeFor(bytes.size()));
-  const absl::StatusOr<StepAssembly> read =
-      ReadStep(bytes, [](const std::vector<std::string>& faults) {
+  const absl::StatusOr<StepAssembly> read = ReadStep(
+      bytes,
+      [](const std::vector<std::string>& faults) {
         for (const std::string& fault : faults) WriteLine(kFault, fault);
+      },
+      [](std::size_t done, std::size_t total) {
+        WriteLine(kProgress, absl::StrCat(done, " ", total));
       });
   if (read.ok()) {
     WriteLine(kAssembly, ToJson(*read));
@@ -102,8 +141,16 @@ absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
   child.program = options.program;
   child.argument = kStepChildArgument;
   child.time_limit = options.time_limit;
+  child.is_given_up = options.is_given_up;
+  ProgressLines progress(options.progress);
+  if (options.progress) {
+    child.heard = [&progress](std::string_view piece) { progress.Hear(piece); };
+  }
   const absl::StatusOr<ChildAnswer> answer = AskChild(bytes, child);
   if (!answer.ok()) return KernelFailure("reading STEP", std::string(answer.status().message()));
+  if (answer->end == ChildAnswer::End::kGivenUp) {
+    return absl::CancelledError("nobody waits for the drawing any more");
+  }
   if (answer->end == ChildAnswer::End::kAnswerTooLong) {
     return TooLarge("step", "what can be told of it");
   }

@@ -6,11 +6,13 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
 #include "common/cad/step/step_assembly.h"
+#include "common/cad/step/step_reader.h"
 
 namespace mortise::cad {
 
@@ -24,12 +26,15 @@ int RunStepChild();
 struct StepChildOptions {
   std::string program = "/proc/self/exe";  // whose main() knows kStepChildArgument
   std::chrono::seconds time_limit{120};
+  StepProgress progress = {};              // what the child has read, as ReadStep tells it
+  std::function<bool()> is_given_up = {};  // asked several times a second; unset: never
 };
 
 // Reads as ReadStep does, but without the solids. INVALID_ARGUMENT, "step", also for a file over
 // which the kernel crashes or that takes it longer than the limit, or more than 6 s of processor
 // time and 20 s for each MiB of the file, with the entities at fault if any are known; INTERNAL if
-// the child cannot be started. Any number of children may run at once.
+// the child cannot be started; CANCELLED soon after `is_given_up`. Any number of children may run
+// at once.
 absl::StatusOr<StepAssembly> ReadStepInChild(std::string_view bytes,
                                              const StepChildOptions& options = {});
 

@@ -122,7 +122,8 @@ absl::Status NoSolid(const StepAssembly& assembly, const std::vector<std::string
                                            absl::StrJoin(reasons, "; ")));
 }
 
-absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& seen) {
+absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& seen,
+                                  const StepProgress& progress) {
   if (bytes.size() > kMaxStepBytes) return TooLarge("step", "64 MiB");
   MORTISE_ASSIGN_OR_RETURN(const StepText decoded, DecodeStep(bytes));
   MORTISE_RETURN_IF_ERROR(CheckFrame(decoded.text));
@@ -151,8 +152,9 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& 
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.ChangeReader().FileUnits(lengths, angles, solid_angles);
   if (!lengths.IsEmpty()) assembly.length_unit = lengths.First().ToCString();
-  MORTISE_ASSIGN_OR_RETURN(const TopTools_MapOfShape leaves,
-                           CollectParts(document, operators, StepPlaces(reader), assembly));
+  MORTISE_ASSIGN_OR_RETURN(
+      const TopTools_MapOfShape leaves,
+      CollectParts(document, operators, StepPlaces(reader), progress, assembly));
   const std::vector<std::string> losses = Losses(reader, leaves);
   if (assembly.parts.empty()) return NoSolid(assembly, losses);
   NameAll(assembly);
@@ -166,9 +168,10 @@ absl::StatusOr<StepAssembly> Read(std::string_view bytes, const StepFaultsSeen& 
 
 }  // namespace
 
-absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen) {
+absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen,
+                                      const StepProgress& progress) {
   try {
-    return Read(bytes, seen);
+    return Read(bytes, seen, progress);
   } catch (const Standard_Failure&) {
     return InvalidField("step", "is damaged: the CAD kernel cannot read it");
   }

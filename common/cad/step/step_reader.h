@@ -17,6 +17,10 @@ inline constexpr std::size_t kMaxStepBytes = std::size_t{64} << 20;
 // shapes are made.
 using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 
+// A function that is told how many solids have been read, measured and drawn, and how many there
+// are.
+using StepProgress = std::function<void(std::size_t done, std::size_t total)>;
+
 // Reads the assembly in `bytes`, in metres whatever the file's unit. Every solid is a part, also
 // where a product has several; several roots stand in one. Names that the file has more than once
 // are counted (DistinctNames); a part is called as its occurrence is, or else as its product.
@@ -28,6 +32,7 @@ using StepFaultsSeen = std::function<void(const std::vector<std::string>&)>;
 //
 // The kernel may crash over a damaged file, and the process with it. A process that reads by
 // step_isolation.h outlives that.
-absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen = {});
+absl::StatusOr<StepAssembly> ReadStep(std::string_view bytes, const StepFaultsSeen& seen = {},
+                                      const StepProgress& progress = {});
 
 }  // namespace mortise::cad

@@ -18,6 +18,7 @@
 #include "services/catalog/records/record_access.h"
 #include "services/catalog/records/shape_records.h"
 #include "services/catalog/service/assembly_reading.h"
+#include "services/catalog/service/import_progress.h"
 
 namespace mortise::catalog::methods {
 namespace {
@@ -28,10 +29,22 @@ absl::StatusOr<v1::AssemblyBundle> FreezeNow(const Catalog& catalog, const v1::A
       [&](store::ReadTransaction& transaction) { return Freeze(transaction, assembly); });
 }
 
+// Tells how far the import is that a call asks for.
+template <typename Request>
+ImportProgress ProgressOf(const Catalog& catalog, const rpc::Call& call, const Request& asked,
+                          const std::string& assembly) {
+  return {catalog.store, assembly, asked.request_id(), rpc::AuthorOf(call)};
+}
+
 // Whether a design can be made of it; kept for who asks for it next.
 absl::StatusOr<templates::Parametrization> Parametrize(Catalog& catalog, const rpc::Call& call,
+                                                       ImportProgress& progress,
                                                        const v1::AssemblyBundle& bundle) {
-  return catalog.parametrized.Get(bundle, [&call] { return call.cancelled(); });
+  return catalog.parametrized.Get(
+      bundle, [&call] { return call.cancelled(); }, "",
+      [&progress](const char* stage, std::int64_t done, std::int64_t total) {
+        progress.Tell(stage, done, total);
+      });
 }
 
 // Adds those of the drawing's shapes that parts have and that are not stored yet.
@@ -58,7 +71,7 @@ absl::StatusOr<std::vector<parametric::Item>> ItemsOf(const Catalog& catalog,
 
 // The assembly of a drawing that was read, or why there is none.
 absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
-                                    const absl::StatusOr<Drawing>& read,
+                                    ImportProgress& progress, const absl::StatusOr<Drawing>& read,
                                     const v1::AssemblyAnnotations& annotations) {
   MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Item> items,
                            ItemsOf(catalog, annotations));
@@ -71,7 +84,8 @@ absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
   DrawnAssembly drawn = MakeAssembly(drawing, annotations, items);
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(catalog, drawn.assembly));
   AddNewShapes(drawing, bundle);
-  const absl::StatusOr<templates::Parametrization> made = Parametrize(catalog, call, bundle);
+  const absl::StatusOr<templates::Parametrization> made =
+      Parametrize(catalog, call, progress, bundle);
   MORTISE_RETURN_IF_ERROR(AtRequest(drawn, annotations, made.status()));
   const std::string held = NoteOnHeldSizes((*made)->HeldSizes());
   if (!held.empty()) drawn.notes.push_back(held);
@@ -156,8 +170,9 @@ absl::StatusOr<v1::AssemblyBundle> PrepareAssembly(Catalog& catalog, const rpc::
                                                    const v1::ImportAssemblyRequest& asked) {
   const v1::Assembly& assembly = asked.assembly();
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(catalog, assembly));
-  const absl::Status faults = CombineViolations(Parametrize(catalog, call, bundle).status(),
-                                                resources::ValidateTags(assembly));
+  ImportProgress progress = ProgressOf(catalog, call, asked, assembly.name());
+  const absl::Status faults = CombineViolations(
+      Parametrize(catalog, call, progress, bundle).status(), resources::ValidateTags(assembly));
   MORTISE_RETURN_IF_ERROR(WithRevisionFault(*catalog.store, kAssemblies, assembly.name(),
                                             asked.expected_revision(),
                                             UnderField("assembly", faults)));
@@ -173,8 +188,16 @@ absl::StatusOr<v1::Assembly> ImportAssembly(const rpc::Call& call,
 
 absl::StatusOr<DrawnBundle> PrepareAssemblyStep(Catalog& catalog, const rpc::Call& call,
                                                 const v1::ImportAssemblyStepRequest& asked) {
-  const absl::StatusOr<Drawing> read = catalog.drawings.Read(asked.step(), asked.drawing());
-  return Checked(catalog, asked, DrawnOf(catalog, call, read, asked.annotations()),
+  ImportProgress progress = ProgressOf(catalog, call, asked, asked.annotations().name());
+  cad::StepChildOptions reading;
+  reading.progress = [&progress](std::size_t done, std::size_t total) {
+    progress.Tell("reading solids", static_cast<std::int64_t>(done),
+                  static_cast<std::int64_t>(total));
+  };
+  reading.is_given_up = [&call] { return call.cancelled(); };
+  const absl::StatusOr<Drawing> read =
+      catalog.drawings.Read(asked.step(), asked.drawing(), reading);
+  return Checked(catalog, asked, DrawnOf(catalog, call, progress, read, asked.annotations()),
                  asked.drawing().empty() ? "step" : "drawing");
 }
 
@@ -194,7 +217,8 @@ absl::StatusOr<DrawnBundle> PrepareAssemblyMesh(Catalog& catalog, const rpc::Cal
   if (!read.ok()) read = RenameField(read.status(), "file", file);
   v1::AssemblyAnnotations annotations = asked.annotations();
   if (read.ok() && annotations.tolerance() == 0) annotations.set_tolerance(ToleranceOfMesh(**read));
-  return Checked(catalog, asked, DrawnOf(catalog, call, read, annotations), file, faults);
+  ImportProgress progress = ProgressOf(catalog, call, asked, annotations.name());
+  return Checked(catalog, asked, DrawnOf(catalog, call, progress, read, annotations), file, faults);
 }
 
 absl::StatusOr<v1::ImportAssemblyMeshResponse> ImportAssemblyMesh(

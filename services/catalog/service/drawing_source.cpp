@@ -10,7 +10,6 @@
 #include "common/base/digest.h"
 #include "common/base/errors.h"
 #include "common/base/field_violations.h"
-#include "common/cad/step/step_isolation.h"
 #include "common/mesh/scenes/scene_reader.h"
 #include "services/catalog/exchange/assembly_import.h"
 #include "services/catalog/exchange/shape_turn.h"
@@ -51,11 +50,12 @@ absl::StatusOr<std::string> DrawingSource::BytesOf(const std::string& sent,
   return GetDrawing(store_, blobs_, drawing);
 }
 
-absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::string& drawing) {
+absl::StatusOr<Drawing> DrawingSource::Read(const std::string& step, const std::string& drawing,
+                                            const cad::StepChildOptions& options) {
   MORTISE_ASSIGN_OR_RETURN(const std::string file, BytesOf(step, drawing, "step"));
-  return read_.Get(Sha256Hex(file), [&file]() -> absl::StatusOr<DrawingCache::Made> {
+  return read_.Get(Sha256Hex(file), [&]() -> absl::StatusOr<DrawingCache::Made> {
     MORTISE_ASSIGN_OR_RETURN(const std::string bytes, UnpackStep(file));
-    MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes));
+    MORTISE_ASSIGN_OR_RETURN(cad::StepAssembly read, cad::ReadStepInChild(bytes, options));
     for (mesh::DrawnShape& shape : read.shapes) shape.name = NamedShape(shape).name();
     const std::vector<int> first = FirstAlike(read.shapes);
     for (cad::StepPart& part : read.parts) {

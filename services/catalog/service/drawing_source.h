@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/single_flight_cache.h"
 #include "common/cad/step/step_assembly.h"
+#include "common/cad/step/step_isolation.h"
 #include "services/catalog/exchange/mesh_drawing.h"
 
 namespace mortise::store {
@@ -28,8 +29,9 @@ class DrawingSource {
   DrawingSource(store::Store* store, store::BlobFolder* blobs);
 
   // Of the file itself, or of one that was uploaded, by its digest. Fails as UnpackStep, GetDrawing
-  // and cad::ReadStepInChild do; INVALID_ARGUMENT, "drawing", for both.
-  absl::StatusOr<Drawing> Read(const std::string& step, const std::string& drawing);
+  // and cad::ReadStepInChild do, with its `options`; INVALID_ARGUMENT, "drawing", for both.
+  absl::StatusOr<Drawing> Read(const std::string& step, const std::string& drawing,
+                               const cad::StepChildOptions& options = {});
 
   // The same of a mesh (DrawingOfScene), which the whole is called after by `file_name`. Fails as
   // mesh::ReadScene and DrawingOfScene do, "file"; INVALID_ARGUMENT, "drawing", for both.

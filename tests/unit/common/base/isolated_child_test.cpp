@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "tests/support/temporary_folder.h"
 
@@ -49,6 +50,25 @@ TEST(IsolatedChild, KillsOneWhoseTimeIsUp) {
   ChildOptions options;
   options.time_limit = std::chrono::seconds(0);
   EXPECT_EQ(Ask("while true; do :; done", "", options).end, ChildAnswer::End::kOutOfTime);
+}
+
+TEST(IsolatedChild, IsHeardWhileItAnswers) {
+  ChildOptions options;
+  std::string heard;
+  options.heard = [&](std::string_view piece) { heard += piece; };
+  const ChildAnswer answer = Ask("echo begun; cat; echo done", "question\n", options);
+  EXPECT_EQ(answer.bytes, "begun\nquestion\ndone\n");
+  EXPECT_EQ(heard, answer.bytes);
+}
+
+TEST(IsolatedChild, KillsOneThatNobodyWaitsForAnyMore) {
+  ChildOptions options;
+  bool has_begun = false;
+  options.heard = [&](std::string_view) { has_begun = true; };
+  options.is_given_up = [&] { return has_begun; };
+  const ChildAnswer answer = Ask("echo begun; while true; do :; done", "", options);
+  EXPECT_EQ(answer.end, ChildAnswer::End::kGivenUp);
+  EXPECT_EQ(answer.bytes, "begun\n");
 }
 
 TEST(IsolatedChild, KillsOneThatAnswersWithoutEnd) {

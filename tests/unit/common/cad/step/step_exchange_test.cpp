@@ -430,6 +430,24 @@ TEST(StepIsolation, TellsTheSameAsInProcess) {
   }
 }
 
+TEST(StepIsolation, TellsHowManySolidsAreRead) {
+  std::vector<std::pair<std::size_t, std::size_t>> told;
+  StepChildOptions options;
+  options.progress = [&](std::size_t done, std::size_t total) { told.emplace_back(done, total); };
+  const auto read = ReadStepInChild(Written(Stand()), options);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(told.size(), read->parts.size());
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(told[i], std::pair(i + 1, read->parts.size()));
+  }
+}
+
+TEST(StepIsolation, IsGivenUpWhenNobodyWaits) {
+  StepChildOptions options;
+  options.is_given_up = [] { return true; };
+  EXPECT_TRUE(absl::IsCancelled(ReadStepInChild(Written(Stand()), options).status()));
+}
+
 TEST(StepIsolation, OutlivesDamagedFiles) {
   const std::string whole = Written(Stand());
   const std::size_t data = whole.find("DATA;");
