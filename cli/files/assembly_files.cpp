@@ -43,7 +43,8 @@ struct ImportOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path annotations;
   std::string id;
-  std::string unit, up;  // of meshes
+  bool drop_annotations = false;  // those of the revision before
+  std::string unit, up;           // of meshes
   int most_parts = 0;
   TagOptions tags;
 
@@ -170,6 +171,8 @@ absl::Status Describe(const std::filesystem::path& file, const ImportOptions& op
   } else if (annotations.name().empty()) {
     annotations.set_name(ResourceName("assemblies", IdOf(file)));
   }
+  // One that means all parts, and says nothing of them.
+  if (options.drop_annotations) annotations.add_parts()->add_parts("*");
   if (!options.tags.empty()) {
     annotations.clear_external_ids();
     annotations.clear_labels();
@@ -334,11 +337,17 @@ absl::Status CheckFlags(const ImportOptions& options) {
                                               : "--most-parts",
                         "belongs to one mesh");
   }
-  const bool has_options =
-      !options.annotations.empty() || !options.id.empty() || !options.tags.empty();
+  if (options.drop_annotations && !options.annotations.empty()) {
+    return InvalidField("--drop-annotations",
+                        "cannot be given with --annotations, which replace "
+                        "those of the revision before as they are");
+  }
+  const bool has_options = options.drop_annotations || !options.annotations.empty() ||
+                           !options.id.empty() || !options.tags.empty();
   if (has_options && !(is_one && IsDrawn(options.files.front()))) {
     return InvalidField(!options.id.empty()                  ? "--id"
                         : !options.annotations.empty()       ? "--annotations"
+                        : options.drop_annotations           ? "--drop-annotations"
                         : !options.tags.external_ids.empty() ? "--external-id"
                                                              : "--label",
                         "belongs to one STEP file or mesh");
@@ -424,6 +433,9 @@ void AddAssemblyFileCommands(CLI::App& assembly, Session& session) {
   add.Add("--annotations", import_options->annotations,
           "What the STEP file or mesh does not say: mortise.v1.AssemblyAnnotations "
           "(.textproto or .json)");
+  add.command().add_flag(
+      "--drop-annotations", import_options->drop_annotations,
+      "Import a drawing again without annotations, and keep none of the revision before");
   add.Add("--id", import_options->id,
           "Name of the assembly in a STEP file or mesh, instead of the annotations' or the "
           "file's");

@@ -12,6 +12,7 @@
 #include "common/resources/collection.h"
 #include "common/resources/resource_tags.h"
 #include "services/catalog/exchange/assembly_import.h"
+#include "services/catalog/exchange/kept_annotations.h"
 #include "services/catalog/exchange/part_annotations.h"
 #include "services/catalog/records/assembly_records.h"
 #include "services/catalog/records/drawing_records.h"
@@ -69,12 +70,54 @@ absl::StatusOr<std::vector<parametric::Item>> ItemsOf(const Catalog& catalog,
   return std::move(used.items);
 }
 
+// The items that are there still of those that the parts of a revision are made of.
+absl::StatusOr<std::vector<parametric::Item>> ItemsOf(const Catalog& catalog,
+                                                      const v1::Assembly& assembly) {
+  v1::Assembly named;
+  for (const v1::AssemblyPart& part : assembly.parts()) named.add_parts()->set_item(part.item());
+  MORTISE_ASSIGN_OR_RETURN(const v1::AssemblyBundle bundle, FreezeNow(catalog, named));
+  MORTISE_ASSIGN_OR_RETURN(parametric::TemplateBundle used, UsedBy(bundle));
+  return std::move(used.items);
+}
+
+// What a drawing is annotated with.
+struct Annotated {
+  v1::AssemblyAnnotations annotations;
+  std::vector<parametric::Item> items;  // that they name and that exist
+  std::vector<std::string> notes;       // for people
+};
+
+// The annotations of a request; where they say nothing, those of the revision before, as far as
+// they fit the drawing.
+absl::StatusOr<Annotated> AnnotationsFor(const Catalog& catalog,
+                                         const absl::StatusOr<Drawing>& read,
+                                         const v1::AssemblyAnnotations& asked) {
+  Annotated annotated;
+  annotated.annotations = WithoutDropping(asked);
+  if (read.ok() && KeepFormer(asked)) {
+    const absl::StatusOr<v1::AssemblyBundle> before = FindAssembly(catalog, asked.name(), 0);
+    if (before.ok()) {
+      MORTISE_ASSIGN_OR_RETURN(annotated.items, ItemsOf(catalog, before->assembly()));
+      KeptAnnotations kept = KeepAnnotations(before->assembly(), **read, asked, annotated.items);
+      annotated.annotations = std::move(kept.annotations);
+      annotated.notes = std::move(kept.notes);
+      return annotated;
+    }
+    // A name that is malformed is told of with all else.
+    const bool is_told =
+        absl::IsNotFound(before.status()) || absl::IsInvalidArgument(before.status());
+    if (!is_told) return before.status();
+  }
+  MORTISE_ASSIGN_OR_RETURN(annotated.items, ItemsOf(catalog, annotated.annotations));
+  return annotated;
+}
+
 // The assembly of a drawing that was read, or why there is none.
 absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
                                     ImportProgress& progress, const absl::StatusOr<Drawing>& read,
-                                    const v1::AssemblyAnnotations& annotations) {
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<parametric::Item> items,
-                           ItemsOf(catalog, annotations));
+                                    const v1::AssemblyAnnotations& asked) {
+  MORTISE_ASSIGN_OR_RETURN(const Annotated annotated, AnnotationsFor(catalog, read, asked));
+  const auto& [annotations, items, kept] = annotated;
   if (absl::IsInvalidArgument(read.status())) {
     return CombineViolations(read.status(),
                              parametric::ToStatus(CheckWithoutDrawing(annotations, items)));
@@ -82,6 +125,7 @@ absl::StatusOr<DrawnBundle> DrawnOf(Catalog& catalog, const rpc::Call& call,
   MORTISE_RETURN_IF_ERROR(read.status());
   const cad::StepAssembly& drawing = **read;
   DrawnAssembly drawn = MakeAssembly(drawing, annotations, items);
+  drawn.notes.insert(drawn.notes.begin(), kept.begin(), kept.end());
   MORTISE_ASSIGN_OR_RETURN(v1::AssemblyBundle bundle, FreezeNow(catalog, drawn.assembly));
   AddNewShapes(drawing, bundle);
   const absl::StatusOr<templates::Parametrization> made =
