@@ -1,20 +1,26 @@
 // `mortise assembly` against a catalog process with the collection that ships.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "cli/client/ending_signals.h"
 #include "cli/commands/command_line.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
+#include "mortise/v1/events.grpc.pb.h"
 #include "tests/integration/services/filled_catalog.h"
 #include "tests/support/box_scenes.h"
+#include "tests/support/round_parts.h"
 
 namespace mortise::cli {
 namespace {
@@ -356,6 +362,15 @@ TEST_F(AssemblyCommand, ExportsAndImportsStep) {
   const auto annotated = Run({"import", step, "--annotations", text});
   ASSERT_TRUE(annotated.ok()) << annotated.status();
   EXPECT_EQ((*annotated)[0]["change"], "updated");
+  const auto kept = Run({"import", step});
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ((*kept)[0]["change"], "none");
+  EXPECT_THAT((*kept)[0]["notes"].dump(), HasSubstr("kept the annotations of revision 2"));
+  const auto dropped = Run({"import", step, "--drop-annotations"});
+  ASSERT_TRUE(dropped.ok()) << dropped.status();
+  EXPECT_EQ((*dropped)[0]["change"], "updated");
+  EXPECT_THAT(Refusal({"import", step, "--drop-annotations", "--annotations", text}),
+              HasSubstr("--drop-annotations"));
   const std::string json = File("shelf.json", "{\"name\": \"assemblies/json-shelf\"}");
   const auto named = Run({"import", step, "--annotations", json});
   ASSERT_TRUE(named.ok()) << named.status();
@@ -363,6 +378,30 @@ TEST_F(AssemblyCommand, ExportsAndImportsStep) {
   const auto other = Run({"import", step, "--annotations", json, "--id", "other"});
   ASSERT_TRUE(other.ok()) << other.status();
   EXPECT_EQ((*other)[0]["name"], "assemblies/other");
+}
+
+// Ctrl-C as soon as the catalog has told how far it is.
+TEST_F(AssemblyCommand, CancelsAnImportAndTellsWhatBecameOfIt) {
+  const std::string step = File("pin board.step", mortise::testing::PinBoardStep(58));
+  const auto stub = v1::EventService::NewStub(process_.channel());
+  grpc::ClientContext following;
+  v1::FollowEventsRequest follow;
+  follow.add_type_prefixes("assembly.importing");
+  follow.set_after_number(-1);
+  const auto reader = stub->FollowEvents(&following, follow);
+  reader->WaitForInitialMetadata();
+  std::jthread interrupting([&] {
+    v1::Event event;
+    if (reader->Read(&event)) ::kill(::getpid(), SIGINT);
+  });
+  const absl::Status ended = Run({"import", step}).status();
+  following.TryCancel();
+  interrupting.join();
+  reader->Finish();
+  EXPECT_TRUE(absl::IsCancelled(ended)) << ended;
+  EXPECT_EQ(ExitCodeOf(ended), 128 + SIGINT);
+  EXPECT_THAT(std::string(ended.message()),
+              HasSubstr("assemblies/pin-board was cancelled; nothing of it is stored"));
 }
 
 TEST_F(AssemblyCommand, ExportsWhatWasAdjusted) {
