@@ -1,10 +1,37 @@
 #include "common/base/text_escapes.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/string_views.h"
 
 namespace mortise {
+namespace {
+
+// Whether a spreadsheet computes it. Signs before a number, or a sum of numbers, do no harm.
+bool IsFormula(std::string_view text) {
+  if (text.empty()) return false;
+  if (std::string_view("=@\t\r").find(text.front()) != std::string_view::npos) return true;
+  if (text.front() != '+' && text.front() != '-') return false;
+  return text.find_first_not_of("0123456789.,+-/eE ") != std::string_view::npos;
+}
+
+std::string_view WithoutLeadingQuotes(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of('\''), text.size()));
+  return text;
+}
+
+}  // namespace
+
+std::string SpreadsheetText(std::string_view text) {
+  return absl::StrCat(IsFormula(WithoutLeadingQuotes(text)) ? "'" : "", AbslView(text));
+}
+
+std::string FromSpreadsheetText(std::string_view cell) {
+  const bool is_quoted = cell.starts_with('\'') && IsFormula(WithoutLeadingQuotes(cell));
+  return std::string(is_quoted ? cell.substr(1) : cell);
+}
 
 std::string CsvField(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);

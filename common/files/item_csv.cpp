@@ -14,6 +14,7 @@
 #include "absl/strings/str_split.h"
 #include "common/base/errors.h"
 #include "common/base/names/offered_names.h"
+#include "common/base/text_escapes.h"
 #include "common/design/field_checks.h"
 #include "common/expressions/identifier.h"
 #include "common/files/csv_designs.h"
@@ -266,7 +267,8 @@ class Reader {
 
   void NoteName(const CsvRow& row) {
     for (std::size_t i = 0; i < std::min(row.size(), columns_.size()); ++i) {
-      if (columns_[i].meaning == "name") file_.unread_names.insert(row[i].text);
+      if (columns_[i].meaning == "name")
+        file_.unread_names.insert(FromSpreadsheetText(row[i].text));
     }
   }
 
@@ -281,7 +283,7 @@ class Reader {
     placed.unread = missing_;
     for (const std::string& field : missing_) SetUnread(field, item);
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const Filled filled = Fill(columns_[i], row[i].text, item);
+      const Filled filled = Fill(columns_[i], FromSpreadsheetText(row[i].text), item);
       if (filled.field.empty()) continue;
       const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
       placed.fields[filled.field] = place;

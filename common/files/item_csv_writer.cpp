@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/errors.h"
+#include "common/base/text_escapes.h"
 
 namespace mortise::parametric {
 namespace {
@@ -149,19 +150,6 @@ absl::StatusOr<ItemCells> CellsOf(const v1::Item& item) {
   return cells;
 }
 
-void AppendCell(std::string& table, std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
-    table.append(text);
-    return;
-  }
-  table.push_back('"');
-  for (const char c : text) {
-    if (c == '"') table.push_back('"');
-    table.push_back(c);
-  }
-  table.push_back('"');
-}
-
 std::vector<std::string> ColumnsOf(const std::vector<ItemCells>& rows) {
   std::vector<std::string> columns(kUsualColumns.begin(), kUsualColumns.end());
   const std::set<std::string> usual(columns.begin(), columns.end());
@@ -191,7 +179,7 @@ absl::StatusOr<std::string> ItemsAsCsv(const std::vector<v1::Item>& items) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (i > 0) table.push_back(',');
       const auto cell = row.find(columns[i]);
-      if (cell != row.end()) AppendCell(table, cell->second);
+      if (cell != row.end()) table += CsvField(SpreadsheetText(cell->second));
     }
     table.append(kLineEnd);
   }

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "common/base/names/offered_names.h"
+#include "common/base/text_escapes.h"
 #include "common/files/csv_designs.h"
 #include "common/files/csv_tags.h"
 
@@ -109,7 +110,7 @@ class Reader {
 
   void NoteName(const CsvRow& row) {
     for (std::size_t i = 0; i < std::min(row.size(), columns_.size()); ++i) {
-      if (columns_[i].title == "name") file_.unread_names.insert(row[i].text);
+      if (columns_[i].title == "name") file_.unread_names.insert(FromSpreadsheetText(row[i].text));
     }
   }
 
@@ -121,7 +122,8 @@ class Reader {
       if (columns_[i].field == nullptr) continue;
       const std::string place = absl::StrCat(PlaceOf(row[i]), " (", columns_[i].title, ")");
       placed.fields[columns_[i].title] = place;
-      const absl::Status filled = Fill(columns_[i], row[i].text, placed.message);
+      const absl::Status filled =
+          Fill(columns_[i], FromSpreadsheetText(row[i].text), placed.message);
       if (filled.ok()) continue;
       Report(place, std::string(filled.message()));
       placed.unread.insert(columns_[i].title);

@@ -25,6 +25,24 @@ TEST(TextEscapes, TerminalsGetNoControlCharacters) {
   EXPECT_EQ(EscapeControls(std::string_view("a\0b", 3)), "a\\x00b");
 }
 
+TEST(TextEscapes, SpreadsheetsRunNoText) {
+  for (const char* text :
+       {"=1+1", "=HYPERLINK(\"http://a.example\")", "@SUM(A1)", "+cmd|' /C calc'!A0",
+        "-2+3+cmd|' /C calc'!A0", "-shelf", "\t=1", "\r=1", "'=1", "''-shelf"}) {
+    const std::string cell = SpreadsheetText(text);
+    EXPECT_EQ(cell, std::string("'") + text);
+    EXPECT_EQ(FromSpreadsheetText(cell), text);
+  }
+}
+
+TEST(TextEscapes, NumbersAndOtherTextsAreCellsAsTheyAre) {
+  for (const char* text : {"", "pine board", "-22.5", "+1e-3", "-0.5 0.5 0.7", "'", "'tis", "''",
+                           "a=b", "'-22.5", "100-4711/A"}) {
+    EXPECT_EQ(SpreadsheetText(text), text);
+    EXPECT_EQ(FromSpreadsheetText(text), text);
+  }
+}
+
 TEST(TextEscapes, XmlHasNoCharacterThatMeansSomething) {
   EXPECT_EQ(EscapeXml("a < b & 'c' > \"d\""), "a &lt; b &amp; &#39;c&#39; &gt; &quot;d&quot;");
   EXPECT_EQ(EscapeXml("&amp;"), "&amp;amp;");

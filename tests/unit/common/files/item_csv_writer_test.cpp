@@ -81,6 +81,26 @@ TEST(ItemCsvWriter, CellsHoldAnyText) {
       << *table;
 }
 
+TEST(ItemCsvWriter, SpreadsheetsRunNoCell) {
+  v1::Item item = Screw();
+  item.set_title("=HYPERLINK(\"http://a.example\", \"screw\")");
+  item.set_supplier("@SUM(A1:A9)");
+  item.set_supplier_number("-22");
+  item.set_standard("'=1");
+  item.add_external_ids("+cmd|' /C calc'!A0");
+  const auto table = ItemsAsCsv({item});
+  ASSERT_TRUE(table.ok()) << table.status();
+  EXPECT_THAT(*table, HasSubstr(",\"'=HYPERLINK("));
+  EXPECT_THAT(*table, HasSubstr(",'@SUM(A1:A9),"));
+  EXPECT_THAT(*table, HasSubstr(",-22,"));
+  EXPECT_THAT(*table, HasSubstr(",''=1,"));
+  EXPECT_THAT(*table, HasSubstr(",'+cmd|"));
+  const DesignFile read = ParseDesignCsv(*table);
+  ASSERT_EQ(read.items.size(), 1u);
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(item, read.items[0].message))
+      << *table;
+}
+
 TEST(ItemCsvWriter, WhatNoCellCanHoldIsNamed) {
   v1::Item with_label = Screw();
   (*with_label.mutable_labels())["note"] = "a; b";
