@@ -35,6 +35,7 @@ pkg_check_modules(Clp REQUIRED IMPORTED_TARGET clp)
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 pkg_check_modules(Zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(QrEncode REQUIRED IMPORTED_TARGET libqrencode)
+pkg_check_modules(XlsxWriter REQUIRED IMPORTED_TARGET xlsxwriter)
 
 # Libraries whose packages bring neither a CMake nor a pkg-config file.
 function(mortise_find_library target header)

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/documents/alike_stock.h"
 #include "services/fabplanner/paper/pdf_flow.h"
 #include "services/fabplanner/plan/bill_of_materials.h"
 #include "services/fabplanner/plan/dimension_text.h"
+#include "services/fabplanner/plan/money.h"
 
 namespace mortise::fabplanner {
 namespace {
@@ -159,7 +159,7 @@ class CutListWriter {
     std::vector<PdfRow> rows;
     const auto price = [](const Money& money) {
       return money.currency.empty() ? std::string("not known")
-                                    : absl::StrFormat("%.2f %s", money.amount, money.currency);
+                                    : absl::StrCat(AmountText(money), " ", money.currency);
     };
     for (const BillLine& line : plan_.bill.lines) {
       rows.push_back({{absl::StrCat(line.quantity, " ×"), line.title, line.dimensions,

@@ -7,22 +7,17 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "common/base/text_escapes.h"
+#include "services/fabplanner/documents/csv_row.h"
 #include "services/fabplanner/plan/bill_of_materials.h"
 #include "services/fabplanner/plan/dimension_text.h"
+#include "services/fabplanner/plan/money.h"
 
 namespace mortise::fabplanner {
 namespace {
 
-void AppendRow(const std::vector<std::string>& fields, std::string* csv) {
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    absl::StrAppend(csv, i == 0 ? "" : ",", CsvField(fields[i]));
-  }
-  csv->append("\r\n");
-}
-
-std::string Amount(const Money& money, int digits) {
-  return money.currency.empty() ? "" : absl::StrFormat("%.*f", digits, money.amount);
+// Of one piece, which may cost less than the smallest amount of money.
+std::string PieceAmount(const Money& money) {
+  return money.currency.empty() ? "" : absl::StrFormat("%.4f", money.amount);
 }
 
 const char* MakingText(Making making) {
@@ -73,13 +68,13 @@ std::string Degrees(double angle) {
 
 std::string CutListCsv(const FabricationPlan& plan) {
   std::string csv;
-  AppendRow(
+  AppendCsvRow(
       {"stock", "item", "process", "part", "start_u_mm", "start_v_mm", "length_mm", "width_mm",
        "thickness_mm", "front_mitre_deg", "front_bevel_deg", "rear_mitre_deg", "rear_bevel_deg"},
       &csv);
   for (const BoardLayout& board : plan.boards) {
     for (const BoardSegment& segment : board.segments) {
-      AppendRow(
+      AppendCsvRow(
           {board.label, board.item, "crosscut", segment.part, Millimetres(segment.start), "0",
            Millimetres(segment.length), Millimetres(board.width), Millimetres(board.thickness),
            Degrees(MitreOf(segment.ends.front)), Degrees(BevelOf(segment.ends.front)),
@@ -94,10 +89,11 @@ std::string CutListCsv(const FabricationPlan& plan) {
         lower = lower.cwiseMin(point);
         upper = upper.cwiseMax(point);
       }
-      AppendRow({sheet.label, sheet.item, "outline", placement.part, Millimetres(lower.x()),
-                 Millimetres(lower.y()), Millimetres(upper.x() - lower.x()),
-                 Millimetres(upper.y() - lower.y()), Millimetres(sheet.thickness), "", "", "", ""},
-                &csv);
+      AppendCsvRow(
+          {sheet.label, sheet.item, "outline", placement.part, Millimetres(lower.x()),
+           Millimetres(lower.y()), Millimetres(upper.x() - lower.x()),
+           Millimetres(upper.y() - lower.y()), Millimetres(sheet.thickness), "", "", "", ""},
+          &csv);
     }
   }
   return csv;
@@ -105,16 +101,17 @@ std::string CutListCsv(const FabricationPlan& plan) {
 
 std::string BillCsv(const FabricationPlan& plan) {
   std::string csv;
-  AppendRow({"item", "title", "quantity", "size_to_order", "supplier", "supplier_number",
-             "supplier_url", "unit_price", "price", "currency", "material", "mass_kg", "drawings"},
-            &csv);
+  AppendCsvRow(
+      {"item", "title", "quantity", "size_to_order", "supplier", "supplier_number", "supplier_url",
+       "unit_price", "price", "currency", "material", "mass_kg", "drawings"},
+      &csv);
   for (const BillLine& line : plan.bill.lines) {
-    AppendRow({line.item, line.title, absl::StrCat(line.quantity), line.dimensions, line.supplier,
-               line.supplier_number, line.supplier_url, Amount(line.unit_price, 4),
-               Amount(line.price, 2), line.price.currency, line.material,
-               line.mass > 0 ? absl::StrFormat("%.3f", line.mass) : "",
-               absl::StrJoin(line.drawings, " ")},
-              &csv);
+    AppendCsvRow({line.item, line.title, absl::StrCat(line.quantity), line.dimensions,
+                  line.supplier, line.supplier_number, line.supplier_url,
+                  PieceAmount(line.unit_price), AmountText(line.price), line.price.currency,
+                  line.material, line.mass > 0 ? absl::StrFormat("%.3f", line.mass) : "",
+                  absl::StrJoin(line.drawings, " ")},
+                 &csv);
   }
   const int unpriced = UnpricedLines(plan.bill);
   const std::string remark = unpriced == 0
@@ -122,8 +119,8 @@ std::string BillCsv(const FabricationPlan& plan) {
                                  : absl::StrCat("incomplete: no price is known of ", unpriced,
                                                 unpriced == 1 ? " line" : " lines");
   for (const Money& total : plan.bill.totals) {
-    AppendRow(
-        {"total", remark, "", "", "", "", "", "", Amount(total, 2), total.currency, "", "", ""},
+    AppendCsvRow(
+        {"total", remark, "", "", "", "", "", "", AmountText(total), total.currency, "", "", ""},
         &csv);
   }
   return csv;
@@ -131,17 +128,17 @@ std::string BillCsv(const FabricationPlan& plan) {
 
 std::string PartsCsv(const FabricationPlan& plan, const Design& design) {
   std::string csv;
-  AppendRow({"part", "title", "made_by", "item", "length_mm", "width_mm", "thickness_mm", "mass_kg",
-             "handwork", "drawings", "ends"},
-            &csv);
+  AppendCsvRow({"part", "title", "made_by", "item", "length_mm", "width_mm", "thickness_mm",
+                "mass_kg", "handwork", "drawings", "ends"},
+               &csv);
   for (std::size_t i = 0; i < plan.parts.size(); ++i) {
     const PlannedPart& planned = plan.parts[i];
     const Part& part = design.parts[i];
-    AppendRow({planned.part, part.title, MakingText(planned.making), part.item,
-               Millimetres(planned.size.x()), Millimetres(planned.size.y()),
-               Millimetres(planned.size.z()), absl::StrFormat("%.3f", part.mass), planned.handwork,
-               absl::StrJoin(planned.drawings, " "), EndsText(planned.ends)},
-              &csv);
+    AppendCsvRow({planned.part, part.title, MakingText(planned.making), part.item,
+                  Millimetres(planned.size.x()), Millimetres(planned.size.y()),
+                  Millimetres(planned.size.z()), absl::StrFormat("%.3f", part.mass),
+                  planned.handwork, absl::StrJoin(planned.drawings, " "), EndsText(planned.ends)},
+                 &csv);
   }
   return csv;
 }
@@ -150,14 +147,14 @@ std::string HolesCsv(const FabricationPlan& plan, const Design& design) {
   std::map<std::string, Eigen::Vector3d> corners;
   for (const Part& part : design.parts) corners[part.name] = BoundsOf(part).min();
   std::string csv;
-  AppendRow({"part", "kind", "diameter_mm", "depth_mm", "through", "x_mm", "y_mm", "z_mm",
-             "direction", "connector"},
-            &csv);
+  AppendCsvRow({"part", "kind", "diameter_mm", "depth_mm", "through", "x_mm", "y_mm", "z_mm",
+                "direction", "connector"},
+               &csv);
   for (const Hole& hole : plan.holes) {
     const auto corner = corners.find(hole.part);
     const Eigen::Vector3d place =
         corner == corners.end() ? hole.position : hole.position - corner->second;
-    AppendRow(
+    AppendCsvRow(
         {hole.part, HoleKindText(hole.kind), Millimetres(hole.diameter), Millimetres(hole.depth),
          hole.through ? "yes" : "no", Millimetres(place.x()), Millimetres(place.y()),
          Millimetres(place.z()), DirectionText(hole.direction), hole.connector},

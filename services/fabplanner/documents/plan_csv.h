@@ -1,5 +1,6 @@
 // Writes cut list, bill of materials, parts and holes as comma-separated values (RFC 4180: CRLF,
 // quotes where needed, UTF-8, decimal points). Lengths in millimetres, as the column names say.
+// Texts that spreadsheets would run have a ' in front (text_escapes.h).
 #pragma once
 
 #include <string>

@@ -9,6 +9,8 @@
 #include "services/fabplanner/documents/assembly_guide_html.h"
 #include "services/fabplanner/documents/assembly_guide_pdf.h"
 #include "services/fabplanner/documents/assembly_picture.h"
+#include "services/fabplanner/documents/bill_table.h"
+#include "services/fabplanner/documents/bill_workbook.h"
 #include "services/fabplanner/documents/cut_list_pdf.h"
 #include "services/fabplanner/documents/guide_contents.h"
 #include "services/fabplanner/documents/guide_scene.h"
@@ -23,6 +25,7 @@ namespace {
 
 constexpr int kDocuments = 4;  // besides tables, drawings and pictures
 constexpr char kPdf[] = "application/pdf";
+constexpr char kWorkbook[] = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet";
 
 // An SVG and an STL of each part that has drawings; alike parts share theirs.
 absl::Status AddDrawings(const FabricationPlan& plan, const Design& design,
@@ -81,6 +84,9 @@ absl::StatusOr<std::vector<PlanFile>> MakePlanFiles(const FabricationPlan& plan,
   std::vector<PlanFile> files;
   files.push_back({"cut-list.csv", "text/csv", CutListCsv(plan)});
   files.push_back({"bill-of-materials.csv", "text/csv", BillCsv(plan)});
+  files.push_back({"bill.csv", "text/csv", BillTreeCsv(plan.bill_tree)});
+  MORTISE_ASSIGN_OR_RETURN(std::string workbook, BillWorkbook(plan.bill_tree, names.title));
+  files.push_back({"bill.xlsx", kWorkbook, std::move(workbook)});
   files.push_back({"parts.csv", "text/csv", PartsCsv(plan, design)});
   if (!plan.holes.empty()) files.push_back({"holes.csv", "text/csv", HolesCsv(plan, design)});
   if (!plan.boards.empty()) files.push_back({"boards.svg", "image/svg+xml", BoardsSvg(plan)});

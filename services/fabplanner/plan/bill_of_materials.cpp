@@ -10,15 +10,14 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
 #include "services/fabplanner/plan/dimension_text.h"
+#include "services/fabplanner/plan/money.h"
 
 namespace mortise::fabplanner {
 namespace {
 
 constexpr double kMaxAmount = 1e12;
 
-double RoundToCent(double amount) { return std::round(amount * 100) / 100; }
-
-// Prices of small things, such as a peg, need more than cents.
+// Prices of small things, such as a peg, need more than the decimals of money.
 double RoundUnitPrice(double amount) { return std::round(amount * 1e4) / 1e4; }
 
 std::string DimensionsOf(const Item& item, const Eigen::Vector3d& size) {
@@ -37,6 +36,7 @@ BillLine MakeLine(const Item& item, const Purchase& purchase) {
   line.item = item.name;
   line.title = item.title;
   line.quantity = purchase.quantity;
+  line.size = purchase.size;
   line.dimensions = DimensionsOf(item, purchase.size);
   line.supplier = item.supplier;
   line.supplier_number = item.supplier_number;
@@ -45,7 +45,7 @@ BillLine MakeLine(const Item& item, const Purchase& purchase) {
     const double volumes = item.price_per_volume ? purchase.size.prod() : 1;
     const double piece = purchase.piece_price.value_or(item.price.amount * volumes);
     line.unit_price = {item.price.currency, RoundUnitPrice(piece)};
-    line.price = {item.price.currency, RoundToCent(piece * purchase.quantity)};
+    line.price = RoundAsMoney({item.price.currency, piece * purchase.quantity});
   }
   return line;
 }
@@ -87,7 +87,7 @@ absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Item
     const BillLine& line = bill.lines.emplace_back(MakeLine(items.at(purchase.item), purchase));
     if (line.price.currency.empty()) continue;
     double& total = totals[line.price.currency];
-    total = RoundToCent(total + line.price.amount);
+    total = RoundAsMoney({line.price.currency, total + line.price.amount}).amount;
   }
   for (const auto& [currency, amount] : totals) bill.totals.push_back({currency, amount});
   return bill;

@@ -24,9 +24,9 @@ struct Purchase {
 
 // Returns one line for each item and size (to a micrometre), boards first, then sheets, pegs,
 // screws, bolts, nuts and other things, each by name. A line's price is the piece's times the
-// quantity, to the cent; a total is the sum of the lines of its currency. Items without a currency,
-// and sizes of which no price is known, have none and add nothing. INVALID_ARGUMENT for unknown
-// items or unusable numbers.
+// quantity, rounded as money; a total is the sum of the lines of its currency. Items without a
+// currency, and sizes of which no price is known, have none and add nothing. INVALID_ARGUMENT for
+// unknown items or unusable numbers.
 absl::StatusOr<Bill> MakeBill(const std::vector<Purchase>& purchases, const Items& items);
 
 // Returns how many lines have no price, and are missing from the totals.

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -56,6 +57,9 @@ struct Item {
   bool shaped = false;                          // what it looks like is known: no plain box
   std::vector<StockSize> stock = {};            // besides `size`, or with its price
   std::map<std::string, double> measures = {};  // m: "head_diameter" …
+  int64_t revision = 0;                         // that the design is made of
+  std::vector<std::string> external_ids = {};   // what other systems know it by
+  std::string material = {};
 };
 
 // A part: a polygon extruded along an axis of the design, or else triangles.

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -160,11 +162,55 @@ struct BillLine {
   std::string material = {};
   double mass = 0;  // kg, of one
   std::vector<std::string> drawings = {};
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // to order
 };
 
 struct Bill {
   std::vector<BillLine> lines;
   std::vector<Money> totals;  // by currency, of the lines that have a price
+};
+
+enum class BillNodeKind {
+  kAssembly,     // the whole
+  kSubAssembly,  // a group of it
+  kPart,         // made in the workshop
+  kStock,        // what a part is cut from
+  kBought,       // used as it is bought
+};
+
+// A node of the bill as a tree. Leaves are what the lines of the bill are of.
+struct BillNode {
+  std::string id;   // its place among its siblings behind that of its parent: "1.2.1"
+  int parent = -1;  // index into BillTree::nodes, before it; -1 for the whole
+  BillNodeKind kind = BillNodeKind::kPart;
+  std::string name;  // of the template, sub-assembly or first part, of stock and pegs of the item
+  std::string title;
+  double quantity = 1;             // in one of its parent; of stock the share of its pieces
+  double total_quantity = 1;       // in all copies
+  std::vector<std::string> parts;  // names of those that are alike and are this node, in one copy
+  std::string item;                // that it is, or is made of
+  int64_t item_revision = 0;
+  std::vector<std::string> external_ids;  // of the template, or of what is bought
+  std::string material;
+  std::optional<double> mass;                      // kg, of one; nothing where it is not known
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // of one, of stock to order
+  std::string dimensions;                          // the same for people, millimetres
+  std::string supplier;
+  std::string supplier_number;
+  std::string supplier_url;
+  Money unit_price;                    // of one; without a currency where none is known
+  Money price;                         // of all copies, with all below it; likewise
+  std::vector<std::string> artifacts;  // files that show it
+};
+
+// The bill as a tree: the whole first, then depth first.
+struct BillTree {
+  std::string template_name;
+  int64_t template_revision = 0;
+  std::string assembly;  // that the template is of; may be empty
+  int64_t assembly_revision = 0;
+  int64_t effective_from = 0;  // seconds since 1970, UTC
+  std::vector<BillNode> nodes;
 };
 
 enum class HoleKind { kPeg, kPilot, kClearance, kTapped };
@@ -198,6 +244,7 @@ struct FabricationPlan {
   std::vector<SheetLayout> sheets;
   std::vector<AssemblyStep> steps;
   Bill bill;
+  BillTree bill_tree;  // once MakeBillTree has made it
   std::vector<Hole> holes;
   std::vector<Mark> marks;
   std::vector<PlannedPart> parts;     // in the design's order

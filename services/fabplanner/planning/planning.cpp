@@ -43,6 +43,7 @@ void AddLinesToDrawing(const Design& design, FabricationPlan* plan) {
     if (is_new) {
       BillLine& line = plan->bill.lines.emplace_back();
       line.title = absl::StrCat(TitleOf(part), ", made to drawing");
+      line.size = size;
       line.dimensions = SizeText(size);
       line.material = part.material;
       line.mass = part.mass;

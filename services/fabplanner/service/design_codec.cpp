@@ -101,6 +101,8 @@ Item ItemFrom(const parametric::Item& read) {
   item.supplier_number = read.supplier_number;
   item.supplier_url = read.supplier_url;
   item.stock = read.stock_sizes;
+  item.revision = read.revision;
+  item.material = read.material;
   for (const parametric::ItemMeasure& measure : read.measures) {
     item.measures[measure.name] = measure.size;
   }
@@ -205,6 +207,8 @@ absl::StatusOr<Items> ItemsFrom(const v1::TemplateBundle& bundle) {
     const absl::StatusOr<parametric::Item> read = parametric::FromProto(bundle.items(i));
     if (!read.ok()) return UnderField(absl::StrCat("items[", i, "]"), read.status());
     Item item = ItemFrom(*read);
+    const auto& external_ids = bundle.items(i).external_ids();
+    item.external_ids.assign(external_ids.begin(), external_ids.end());
     if (const auto grain = has_grain.find(read->material); grain != has_grain.end()) {
       item.has_grain = grain->second;
     }

@@ -1,5 +1,6 @@
 #include "services/fabplanner/service/plan_operation.h"
 
+#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/time_util.h>
 #include <grpcpp/channel.h>
 
@@ -26,6 +27,7 @@
 #include "services/fabplanner/documents/part_drawing.h"
 #include "services/fabplanner/documents/part_labels.h"
 #include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/planning/bill_tree.h"
 #include "services/fabplanner/planning/nearest_parameters.h"
 #include "services/fabplanner/planning/part_making.h"
 #include "services/fabplanner/planning/planning.h"
@@ -45,7 +47,6 @@ bool IsOfDesign(const absl::Status& status) {
 }
 
 constexpr absl::Duration kCatalogTimeout = absl::Minutes(2);
-constexpr char kStepFile[] = "design.step";
 constexpr std::size_t kMaxExport = 256u << 20;  // bytes
 
 // Whether it is not the design that is at fault.
@@ -156,6 +157,41 @@ absl::StatusOr<DrawnFiles> DrawFiles(const PlannedDesign& planned, const PlanNam
   MORTISE_ASSIGN_OR_RETURN(drawn.files,
                            MakePlanFiles(planned.plan, planned.design, planned.items, names, tell));
   return drawn;
+}
+
+// What the plan is of, and since when it holds: when it was asked for, so that a run repeated after
+// a crash makes the same files.
+BillSubject SubjectOf(const v1::TemplateBundle& bundle, const std::string& title,
+                      const v1::EvaluatedDesign& evaluated, absl::Time asked_for) {
+  const v1::Template& origin = bundle.template_();
+  return {.template_name = evaluated.template_(),
+          .template_revision = evaluated.template_revision(),
+          .title = title,
+          .external_ids = {origin.external_ids().begin(), origin.external_ids().end()},
+          .assembly = origin.assembly().assembly(),
+          .assembly_revision = origin.assembly().revision(),
+          .effective_from = absl::ToUnixSeconds(asked_for)};
+}
+
+// The bill of the plan as its calls give it, and nothing else of the plan.
+absl::StatusOr<PlanFile> BillAsJson(const v1::Plan& plan) {
+  v1::Plan bill;
+  bill.set_name(plan.name());
+  bill.set_template_(plan.template_());
+  bill.set_template_revision(plan.template_revision());
+  bill.set_quantity(plan.quantity());
+  *bill.mutable_bill() = plan.bill();
+  *bill.mutable_totals() = plan.totals();
+  bill.set_unpriced_lines(plan.unpriced_lines());
+  *bill.mutable_bill_tree() = plan.bill_tree();
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  std::string json;
+  const auto written = google::protobuf::util::MessageToJsonString(bill, &json, options);
+  if (!written.ok()) {
+    return absl::InternalError(absl::StrCat("the bill as JSON: ", written.ToString()));
+  }
+  return PlanFile{"bill.json", "application/json", std::move(json)};
 }
 
 // Without the files, the tags, the creator and the time.
@@ -313,13 +349,13 @@ absl::StatusOr<std::string> PlanOperation::AttachStep(const v1::EvaluatedDesign&
   absl::StatusOr<std::string> step = FetchStep(design, context);
   if (context.Cancelled()) return absl::CancelledError("the plan was cancelled");
   if (step.ok()) {
-    AddToDrawings(kStepFile, plan);
+    AddToDrawings(kDesignStepFile, plan);
     return step;
   }
   if (MayPass(step.status())) return step.status();
   if (!absl::IsFailedPrecondition(step.status())) {
     plan->handwork.push_back(
-        absl::StrCat("make do without ", kStepFile,
+        absl::StrCat("make do without ", kDesignStepFile,
                      ", which the catalog could not make: ", step.status().message()));
   }
   return "";
@@ -357,12 +393,19 @@ absl::StatusOr<std::string> PlanOperation::Run(operations::OperationContext& con
   const v1::Template& origin = inputs.bundle.template_();
   const PlanNames names = {origin.title().empty() ? origin.name() : origin.title(),
                            absl::StrCat("plans/", id), request.label_address()};
+  planned.plan.bill_tree = MakeBillTree(
+      planned.plan, planned.design, planned.items,
+      SubjectOf(inputs.bundle, names.title, inputs.design, context.operation().created_at));
   MORTISE_ASSIGN_OR_RETURN(DrawnFiles drawn, DrawFiles(planned, names, context));
-  if (!step.empty()) drawn.files.push_back({kStepFile, "model/step", std::move(step)});
+  if (!step.empty()) drawn.files.push_back({kDesignStepFile, "model/step", std::move(step)});
 
   plan = MessageOf(id, planned, inputs.design);
+  MORTISE_ASSIGN_OR_RETURN(PlanFile bill, BillAsJson(plan));
+  drawn.files.push_back(std::move(bill));
   rpc::SetTagsAndCreator(context.operation(), &plan);
   MORTISE_RETURN_IF_ERROR(KeepFiles(drawn.files, &plan));
+  // The files have the tree, however large it is.
+  if (plan.ByteSizeLong() > kMaxMessageBytes) plan.clear_bill_tree();
   if (plan.ByteSizeLong() > kMaxMessageBytes) {
     return TooLarge(absl::StrCat("a plan of ", plan.ByteSizeLong(), " bytes"),
                     absl::StrCat(kMaxMessageBytes, " bytes; plan fewer copies at a time"));

@@ -179,6 +179,41 @@ void AddBillLine(const BillLine& line, v1::Plan* plan) {
   SetMoney(line.price, message->mutable_price());
 }
 
+void AddBillNode(const BillTree& tree, const BillNode& node, v1::BillTree* message) {
+  v1::BillNode* told = message->add_nodes();
+  told->set_id(node.id);
+  if (node.parent >= 0) told->set_parent(tree.nodes[static_cast<std::size_t>(node.parent)].id);
+  // The two enums name the same kinds in the same order, after an unspecified one.
+  told->set_kind(static_cast<v1::BillNode::Kind>(static_cast<int>(node.kind) + 1));
+  told->set_name(node.name);
+  told->set_title(node.title);
+  told->set_quantity(node.quantity);
+  told->set_total_quantity(node.total_quantity);
+  told->mutable_parts()->Assign(node.parts.begin(), node.parts.end());
+  told->set_item(node.item);
+  told->set_item_revision(node.item_revision);
+  told->mutable_external_ids()->Assign(node.external_ids.begin(), node.external_ids.end());
+  told->set_material(node.material);
+  if (node.mass) told->set_mass(*node.mass);
+  *told->mutable_size() = VectorToProto(node.size);
+  told->set_dimensions(node.dimensions);
+  told->set_supplier(node.supplier);
+  told->set_supplier_number(node.supplier_number);
+  told->set_supplier_url(node.supplier_url);
+  if (!node.unit_price.currency.empty()) SetMoney(node.unit_price, told->mutable_unit_price());
+  if (!node.price.currency.empty()) SetMoney(node.price, told->mutable_price());
+  told->mutable_artifacts()->Assign(node.artifacts.begin(), node.artifacts.end());
+}
+
+void SetBillTree(const BillTree& tree, v1::BillTree* message) {
+  message->set_template_(tree.template_name);
+  message->set_template_revision(tree.template_revision);
+  message->set_assembly(tree.assembly);
+  message->set_assembly_revision(tree.assembly_revision);
+  message->mutable_effective_from()->set_seconds(tree.effective_from);
+  for (const BillNode& node : tree.nodes) AddBillNode(tree, node, message);
+}
+
 }  // namespace
 
 WorkshopRules RulesFrom(const v1::WorkshopRules& message) {
@@ -202,6 +237,7 @@ v1::Plan ToProto(const FabricationPlan& plan, const Design& design) {
   for (const SheetLayout& sheet : plan.sheets) AddSheet(sheet, &message);
   for (const AssemblyStep& step : plan.steps) AddStep(step, &message);
   for (const BillLine& line : plan.bill.lines) AddBillLine(line, &message);
+  if (!plan.bill_tree.nodes.empty()) SetBillTree(plan.bill_tree, message.mutable_bill_tree());
   for (const Money& total : plan.bill.totals) SetMoney(total, message.add_totals());
   if (message.totals_size() == 1) *message.mutable_total() = message.totals(0);
   message.set_unpriced_lines(UnpricedLines(plan.bill));

@@ -13,6 +13,7 @@ v1::Plan SummaryOf(v1::Plan plan) {
   plan.clear_sheets();
   plan.clear_steps();
   plan.clear_bill();
+  plan.clear_bill_tree();
   plan.clear_holes();
   plan.clear_parts();
   plan.clear_marks();

@@ -57,6 +57,10 @@ TEST_F(IntegrationPage, DoesTheWholeJob) {
   EXPECT_THAT(Read("stress.png"), HasSubstr("PNG"));
   EXPECT_THAT(Read("front.csv"), HasSubstr("mass"));
   EXPECT_THAT(Read("bill-of-materials.csv"), HasSubstr(","));
+  EXPECT_THAT(Read("bill.csv"), HasSubstr("0,1,,assembly,templates/plm-table,"));
+  const auto bill = nlohmann::json::parse(Read("bill.json"));
+  EXPECT_EQ(bill["billTree"]["nodes"][0]["kind"], "ASSEMBLY");
+  EXPECT_THAT(Read("bill.xlsx"), StartsWith("PK"));
   EXPECT_THAT(Read("items.csv"), HasSubstr("items/hex-bolt"));
   EXPECT_THAT(Read("secret.json"), HasSubstr("whsec_"));
   EXPECT_THAT(Read("order.json"), HasSubstr("COMPLETED"));

@@ -1,5 +1,6 @@
 // The fabplanner as a process: plans and their files, and requests that are refused.
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,7 @@ TEST_F(FabPlannerServiceTest, PlansATableWithItsFiles) {
   EXPECT_DOUBLE_EQ(plan.rules().kerf(), 0.003);
   EXPECT_DOUBLE_EQ(plan.total().amount(), 121.88);
   EXPECT_EQ(plan.parameters(0).name(), "length");
-  ASSERT_EQ(plan.artifacts_size(), 6 + 3 + 4);
+  ASSERT_EQ(plan.artifacts_size(), 6 + 3 + 3 + 4);
   for (const v1::Artifact& artifact : plan.artifacts()) {
     std::string sha256;
     const std::string bytes = Download(plan, artifact.file_name(), &sha256);
@@ -45,6 +46,39 @@ TEST_F(FabPlannerServiceTest, PlansATableWithItsFiles) {
   EXPECT_EQ(list.plans(0).name(), plan.name());
   EXPECT_EQ(list.plans(0).boards_size(), 0);
   EXPECT_EQ(EventsUntil(plan.name(), "plan.created")["plan.created"], 1);
+}
+
+TEST_F(FabPlannerServiceTest, TellsTheBillAsATreeInFiles) {
+  const v1::Plan plan = PlanTable();
+  const v1::BillTree& tree = plan.bill_tree();
+  EXPECT_EQ(tree.template_(), "templates/table");
+  EXPECT_EQ(tree.template_revision(), 3);
+  EXPECT_GT(tree.effective_from().seconds(), 0);
+  EXPECT_LE(tree.effective_from().seconds(), plan.create_time().seconds());
+  ASSERT_GT(tree.nodes_size(), 9);
+  EXPECT_EQ(tree.nodes(0).kind(), v1::BillNode::ASSEMBLY);
+  EXPECT_EQ(tree.nodes(0).title(), "Table");
+  EXPECT_DOUBLE_EQ(tree.nodes(0).price().amount(), plan.total().amount());
+  double pegs = 0;
+  for (const v1::BillNode& node : tree.nodes()) {
+    if (node.item() == "items/dowel-8x35") pegs += node.total_quantity();
+    for (const std::string& file : node.artifacts()) {
+      EXPECT_THAT(plan.artifacts(),
+                  ::testing::Contains(::testing::Property(&v1::Artifact::file_name, file)));
+    }
+  }
+  EXPECT_EQ(pegs, plan.pegs());
+
+  std::string sha256;
+  EXPECT_THAT(Download(plan, "bill.csv", &sha256),
+              AllOf(HasSubstr("level,id,parent,kind,"), HasSubstr("\r\n2,1.1.1,1.1,stock,")));
+  EXPECT_THAT(Download(plan, "bill.xlsx", &sha256), ::testing::StartsWith("PK"));
+  v1::Plan read;
+  ASSERT_TRUE(
+      google::protobuf::util::JsonStringToMessage(Download(plan, "bill.json", &sha256), &read)
+          .ok());
+  EXPECT_EQ(read.name(), plan.name());
+  EXPECT_EQ(read.bill_tree().SerializeAsString(), tree.SerializeAsString());
 }
 
 TEST_F(FabPlannerServiceTest, ARepeatedRequestMakesOnePlan) {

@@ -17,10 +17,12 @@
 #include "common/templates/assembly_template.h"
 #include "common/templates/template_codec.h"
 #include "services/fabplanner/documents/plan_files.h"
+#include "services/fabplanner/planning/bill_tree.h"
 #include "services/fabplanner/planning/planning.h"
 #include "services/fabplanner/service/design_codec.h"
 #include "services/fabplanner/shop_floor/plan_codec.h"
 #include "tests/unit/common/templates/shipped_collection.h"
+#include "tests/unit/services/fabplanner/added_bill.h"
 #include "tests/unit/services/fabplanner/board_corners.h"
 
 namespace mortise::fabplanner {
@@ -243,9 +245,11 @@ v1::Plan CheckedPlan(const Shipped& shipped, const parametric::EvaluatedDesign& 
   EXPECT_TRUE(design.ok()) << design.status();
   if (!design.ok()) return {};
   AddDrawing(shipped.bundle.assembly(), &*design);
-  const auto plan = MakePlan(*design, items, 1);
+  auto plan = MakePlan(*design, items, 1);
   EXPECT_TRUE(plan.ok()) << plan.status();
   if (!plan.ok()) return {};
+  plan->bill_tree = MakeBillTree(*plan, *design, items, {.template_name = "templates/shipped"});
+  ExpectTreeAddsUp(*plan, name);
   ExpectEachPartOnce(*design, *plan);
   ExpectBoardsHold(*plan);
   ExpectHolesOnTheirParts(*design, *plan);
