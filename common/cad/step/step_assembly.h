@@ -12,6 +12,13 @@
 
 namespace mortise::cad {
 
+// What other systems know a product by; what is empty is as the writer has it. Only written.
+struct StepIdentity {
+  std::string id = {};           // PRODUCT.id; the product's name if empty
+  std::string revision = {};     // PRODUCT_DEFINITION_FORMATION.id
+  std::string description = {};  // PRODUCT.description: what it is made of
+};
+
 // A shape that is drawn once and placed as often as there are parts of it.
 struct StepProduct {
   std::string name;
@@ -22,6 +29,7 @@ struct StepProduct {
   // may be scaled or mirrored; each such is a product of its own.
   double scale = 1;
   bool is_mirrored = false;
+  StepIdentity identity = {};
 };
 
 // A sub-assembly where it stands: one that is used twice is two groups.
@@ -71,6 +79,9 @@ struct StepAssembly {
   std::vector<mesh::DrawnShape> shapes;  // of the parts: one for each product and way it is turned
   std::vector<StepLeaf> leaves;          // those that are no parts
   std::vector<std::string> notes;        // what was changed or left out, for people
+  // What follows is only written.
+  StepIdentity identity = {};   // of the whole
+  std::string time_stamp = {};  // when what it says was made, ISO 8601 without a zone, in UTC
 };
 
 // Returns the names of the groups above a part or leaf, and its own: "frame/left/post 1".

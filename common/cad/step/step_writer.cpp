@@ -1,6 +1,7 @@
 // Writes STEP through Open CASCADE's extended data framework, which keeps names and colours.
 #include "common/cad/step/step_writer.h"
 
+#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <Interface_Static.hxx>
@@ -126,29 +127,88 @@ std::vector<std::vector<std::string>> ComponentNames(const StepAssembly& assembl
   return names;
 }
 
-// The kernel finds the name of an occurrence by its shape and place in its sub-assembly, and takes
-// two that agree in both for one, though they stand in different sub-assemblies. So they are named
-// here, in their order, and the sub-assemblies, which were numbered till now, with them.
-void NameOccurrences(const StepAssembly& assembly, const Handle(StepData_StepModel) & model) {
-  const std::vector<std::vector<std::string>> names = ComponentNames(assembly);
-  std::map<Handle(StepBasic_Product), std::vector<Handle(StepRepr_NextAssemblyUsageOccurrence)>>
-      usages;
+using Usage = Handle(StepRepr_NextAssemblyUsageOccurrence);
+using Usages = std::map<Handle(StepBasic_Product), std::vector<Usage>>;
+
+Handle(TCollection_HAsciiString) KernelText(const std::string& text) {
+  return new TCollection_HAsciiString(text.c_str());
+}
+
+// What stands in each product that is a sub-assembly, in order.
+Usages UsagesIn(const Handle(StepData_StepModel) & model) {
+  Usages usages;
   for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto usage = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    const Usage usage = Usage::DownCast(model->Value(i));
     if (usage.IsNull()) continue;
     usages[usage->RelatingProductDefinition()->Formation()->OfProduct()].push_back(usage);
   }
+  return usages;
+}
+
+// Numbers the occurrences of this file, where the kernel counts those of the process.
+void NumberOccurrences(const Handle(StepData_StepModel) & model) {
+  int number = 0;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Usage usage = Usage::DownCast(model->Value(i));
+    if (!usage.IsNull()) usage->SetId(KernelText(absl::StrCat(++number)));
+  }
+}
+
+void Identify(const StepIdentity& identity,
+              const Handle(StepBasic_ProductDefinitionFormation) & formation) {
+  const Handle(StepBasic_Product) product = formation->OfProduct();
+  if (!identity.id.empty()) product->SetId(KernelText(identity.id));
+  if (!identity.revision.empty()) formation->SetId(KernelText(identity.revision));
+  if (!identity.description.empty()) product->SetDescription(KernelText(identity.description));
+}
+
+// Gives the products of shapes their identities, by their names and, of those called alike, by
+// their order; and the whole its own. Sub-assemblies are still called by their numbers.
+void IdentifyProducts(const StepAssembly& assembly, const Usages& usages,
+                      const Handle(StepData_StepModel) & model) {
+  std::map<std::string, std::vector<const StepIdentity*>> by_name;
+  for (const StepProduct& product : assembly.products) {
+    by_name[product.name].push_back(&product.identity);
+  }
+  std::map<std::string, std::size_t> met;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto formation = Handle(StepBasic_ProductDefinitionFormation)::DownCast(model->Value(i));
+    if (formation.IsNull()) continue;
+    const std::string name = formation->OfProduct()->Name()->ToCString();
+    if (usages.contains(formation->OfProduct())) {
+      if (name == "0") Identify(assembly.identity, formation);
+      continue;
+    }
+    const auto identities = by_name.find(name);
+    if (identities == by_name.end()) continue;
+    const std::size_t place = std::min(met[name]++, identities->second.size() - 1);
+    Identify(*identities->second[place], formation);
+  }
+}
+
+// Says in the header what the file is of, in place of when and by which file it was written.
+void FillHeader(const StepAssembly& assembly, const Handle(StepData_StepModel) & model) {
+  APIHeaderSection_MakeHeader header(model);
+  header.SetName(KernelText(assembly.name));
+  header.SetTimeStamp(
+      KernelText(assembly.time_stamp.empty() ? "1970-01-01T00:00:00" : assembly.time_stamp));
+}
+
+// The kernel finds the name of an occurrence by its shape and place in its sub-assembly, and takes
+// two that agree in both for one, though they stand in different sub-assemblies. So they are named
+// here, in their order, and the sub-assemblies, which were numbered till now, with them.
+void NameOccurrences(const StepAssembly& assembly, const Usages& usages) {
+  const std::vector<std::vector<std::string>> names = ComponentNames(assembly);
   for (const auto& [product, components] : usages) {
     int group = -1;
     if (!absl::SimpleAtoi(product->Name()->ToCString(), &group)) continue;
     const std::vector<std::string>& component_names = names[static_cast<std::size_t>(group)];
     for (std::size_t k = 0; k < std::min(components.size(), component_names.size()); ++k) {
-      components[k]->SetName(new TCollection_HAsciiString(component_names[k].c_str()));
+      components[k]->SetName(KernelText(component_names[k]));
     }
-    const Handle(TCollection_HAsciiString) name =
-        new TCollection_HAsciiString(NameOfGroup(assembly, group).c_str());
+    const Handle(TCollection_HAsciiString) name = KernelText(NameOfGroup(assembly, group));
     product->SetName(name);
-    product->SetId(name);
+    if (group != 0 || assembly.identity.id.empty()) product->SetId(name);
   }
 }
 
@@ -191,8 +251,13 @@ absl::StatusOr<std::string> Write(const StepAssembly& assembly, StepUnit unit) {
   if (!writer.Transfer(document, STEPControl_AsIs)) {
     return KernelFailure("writing STEP", "the assembly cannot be translated");
   }
-  NameOccurrences(assembly, writer.ChangeWriter().Model());
-  KeepNames(writer.ChangeWriter().Model());
+  const Handle(StepData_StepModel) model = writer.ChangeWriter().Model();
+  const Usages usages = UsagesIn(model);
+  NumberOccurrences(model);
+  IdentifyProducts(assembly, usages, model);
+  NameOccurrences(assembly, usages);
+  KeepNames(model);
+  FillHeader(assembly, model);
   const TemporaryFile file(".step");
   if (writer.Write(file.path().c_str()) != IFSelect_RetDone) {
     return KernelFailure("writing STEP", "the file cannot be written");

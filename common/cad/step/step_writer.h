@@ -12,13 +12,15 @@ namespace mortise::cad {
 
 enum class StepUnit { kMillimetre, kMetre, kInch };
 
-// Returns the bytes of a STEP file (AP242 DIS): each group a sub-assembly, each product a shape
-// that is written once, each part an occurrence of it with its name, place and colour. Of the
-// parts, only name, group, product, placement and colour count. Lengths are in millimetres, as
-// workshops expect, unless another unit is asked for; the file says which. INVALID_ARGUMENT naming
-// "parts[i].product" where a product has no solid; FAILED_PRECONDITION, NO_STEP, for one that
-// readers would take for another solid, as a ball that is stretched unevenly may be; INTERNAL if
-// the kernel fails.
+// Returns the bytes of a STEP file (AP242 DIS): the same for the same assembly, as the header has
+// its name and time stamp (1970 if there is none) and nothing of when and where it was written.
+// Each group a sub-assembly, each product a shape that is written once, each part an occurrence of
+// it with its name, place and colour. Of the parts, only name, group, product, placement and colour
+// count. Products and the whole have the ids, revisions and descriptions of their identities.
+// Lengths are in millimetres, as workshops expect, unless another unit is asked for; the file says
+// which. INVALID_ARGUMENT naming "parts[i].product" where a product has no solid;
+// FAILED_PRECONDITION, NO_STEP, for one that readers would take for another solid, as a ball that
+// is stretched unevenly may be; INTERNAL if the kernel fails.
 absl::StatusOr<std::string> WriteStep(const StepAssembly& assembly,
                                       StepUnit unit = StepUnit::kMillimetre);
 

@@ -146,7 +146,8 @@ struct Likeness {
 // that parts that are turned are of one.
 class ProductMaker {
  public:
-  explicit ProductMaker(cad::StepAssembly& step) : step_(step) {}
+  ProductMaker(cad::StepAssembly& step, const DesignIdentity& identity)
+      : step_(step), identity_(identity) {}
 
   // Adds a part, and its product if that is a new one.
   absl::Status Add(const parametric::EvaluatedPart& part, const mesh::DrawnShape* shape,
@@ -190,11 +191,13 @@ class ProductMaker {
     MORTISE_ASSIGN_OR_RETURN(cad::Solid solid,
                              SolidOf(part, drawn.shape.get(), stretch, round_about, name));
     step_.products.push_back({std::move(name), std::move(solid), color});
+    step_.products.back().identity = ProductIdentity(part, identity_);
     return absl::OkStatus();
   }
 
  private:
   cad::StepAssembly& step_;
+  const DesignIdentity& identity_;
   ProductShapes shapes_;
   std::map<Likeness, int> products_;
   std::set<std::string> names_;
@@ -236,6 +239,8 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
   const parametric::ParametricAssembly& assembly = posed.assembly;
   cad::StepAssembly step;
   step.name = InOneLine(name);
+  step.identity = posed.identity.whole;
+  step.time_stamp = posed.identity.time_stamp;
   for (const parametric::AssemblyGroup& group : assembly.assembly().groups) {
     step.groups.push_back({group.name, group.parent});
   }
@@ -244,7 +249,7 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
   }
   const std::vector<parametric::PlacedPart> placed = assembly.PartsAt(posed.q);
   const std::vector<Eigen::Vector3d> colors = PartColors(posed.design);
-  ProductMaker products(step);
+  ProductMaker products(step, posed.identity);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const int group = assembly.elements()[static_cast<std::size_t>(placed[i].element)].group;
     MORTISE_RETURN_IF_ERROR(products.Add(posed.design.parts[i], assembly.ShapeOf(placed[i]).get(),

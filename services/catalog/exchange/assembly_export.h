@@ -18,6 +18,7 @@ struct PosedAssembly {
   const Eigen::VectorXd& q;
   const parametric::EvaluatedDesign& design;  // parametric::DesignAt of the two
   std::string rest_pose;                      // "joint: pose"; empty for the drawn one
+  DesignIdentity identity = {};               // for STEP
 };
 
 // Fails with INVALID_ARGUMENT, "rest_pose", with those that there are, for one that there is not.
@@ -28,9 +29,10 @@ absl::Status CheckRestPose(const parametric::Assembly& assembly, const std::stri
 // cylinder, and the rest are boxes. Parts of one item, shape, size and colour are of one product,
 // as they would be drawn, also where right angles turn them. A product is called as its item where
 // that is bought as it is, else as its first part; products that would be called alike are
-// numbered. The whole is called by `name`, as importing gives it back as title; line breaks in
-// it become blanks. INVALID_ARGUMENT, "rest_pose", for one that there is not, and naming the part
-// that cannot be made.
+// numbered. They have the ids and revisions of `posed.identity`
+// (ProductIdentity), and the file has the time of its revision. The whole is called by `name`, as
+// importing gives it back as title; line breaks in it become blanks. INVALID_ARGUMENT, "rest_pose",
+// for one that there is not, and naming the part that cannot be made.
 absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed, const std::string& name);
 
 // Returns the triangles of the parts. INVALID_ARGUMENT, "rest_pose".

@@ -1,6 +1,8 @@
 // Colours parts by their material and hands them to the writers of common/cad.
 #include "services/catalog/exchange/design_export.h"
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/cad/glb_writer.h"
@@ -69,12 +71,24 @@ mesh::SurfaceMesh SurfaceOf(const std::vector<cad::GlbPart>& parts) {
 
 absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design,
                                        const std::vector<cad::Solid>& solids,
-                                       const std::string& assembly_name) {
-  std::vector<cad::AssemblyPart> parts;
+                                       const std::string& assembly_name,
+                                       const DesignIdentity& identity) {
+  cad::StepAssembly assembly;
+  assembly.name = assembly_name;
+  assembly.identity = identity.whole;
+  assembly.time_stamp = identity.time_stamp;
+  assembly.groups.push_back({assembly_name, -1});
   for (std::size_t i = 0; i < solids.size(); ++i) {
-    parts.push_back({solids[i], PartColor(design.parts[i])});
+    const parametric::EvaluatedPart& part = design.parts[i];
+    cad::StepPart placed;
+    placed.name = solids[i].name();
+    placed.product = static_cast<int>(i);
+    assembly.parts.push_back(std::move(placed));
+    cad::StepProduct product = {solids[i].name(), solids[i], PartColor(part)};
+    product.identity = ProductIdentity(part, identity);
+    assembly.products.push_back(std::move(product));
   }
-  return cad::WriteStep(assembly_name, parts);
+  return cad::WriteStep(assembly);
 }
 
 std::vector<Eigen::Vector3d> PartColors(const parametric::EvaluatedDesign& design) {

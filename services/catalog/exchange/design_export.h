@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/cad/solid.h"
 #include "common/design/evaluated_design.h"
+#include "services/catalog/exchange/design_identity.h"
 
 namespace mortise::catalog {
 
@@ -15,10 +16,13 @@ namespace mortise::catalog {
 enum class MeshFormat { kGlb, kObj, kStl };
 
 // STEP AP242: the B-rep of every part under its name, in an assembly named `assembly_name`.
-// `solids`: one a part of the design, in its order.
+// `solids`: one a part of the design, in its order. Products have the ids and revisions of
+// `identity` (ProductIdentity), and the file has the time of its revision, so that it is always the
+// same.
 absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design,
                                        const std::vector<cad::Solid>& solids,
-                                       const std::string& assembly_name);
+                                       const std::string& assembly_name,
+                                       const DesignIdentity& identity);
 
 // Returns what each part looks like: its own colour, or that of its material; linear red, green,
 // blue.

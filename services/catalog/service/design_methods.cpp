@@ -79,15 +79,27 @@ absl::Status ExportMessage(const NamedDesign& evaluated, const ChunkWriter& writ
   return absl::OkStatus();
 }
 
+// What a STEP file says of the design besides its shapes; nothing for others.
+absl::StatusOr<DesignIdentity> IdentityFor(const Catalog& catalog,
+                                           const v1::ExportDesignRequest& asked,
+                                           const NamedDesign& evaluated) {
+  if (asked.format() != v1::ExportDesignRequest::STEP) return DesignIdentity{};
+  MORTISE_ASSIGN_OR_RETURN(
+      const v1::TemplateBundle bundle,
+      FindBundle(catalog, asked.name(), evaluated.design_template->head().revision));
+  return IdentityOf(bundle.template_(), bundle.items());
+}
+
 // The design as a file of solids or triangles, which is called `id`.
 absl::StatusOr<std::string> FileOf(const NamedDesign& evaluated,
-                                   v1::ExportDesignRequest::Format format, const std::string& id) {
+                                   v1::ExportDesignRequest::Format format, const std::string& id,
+                                   const DesignIdentity& identity) {
   if (format != v1::ExportDesignRequest::STEP) {
     return ExportMesh(evaluated.design, {}, MeshFormatOf(format), id);
   }
   MORTISE_ASSIGN_OR_RETURN(const std::vector<cad::Solid> solids,
                            evaluated.design_template->Solids(evaluated.q));
-  return ExportStep(evaluated.design, solids, id);
+  return ExportStep(evaluated.design, solids, id, identity);
 }
 
 }  // namespace
@@ -120,15 +132,17 @@ absl::Status ExportDesign(Catalog& catalog, const rpc::Call&, const v1::ExportDe
   if (asked.format() == v1::ExportDesignRequest::DESIGN) return ExportMessage(evaluated, writer);
   MORTISE_ASSIGN_OR_RETURN(const FileKind kind, KindOf(asked.format()));
   const std::string id = asked.name().substr(asked.name().find('/') + 1);
+  MORTISE_ASSIGN_OR_RETURN(const DesignIdentity identity, IdentityFor(catalog, asked, evaluated));
   MORTISE_ASSIGN_OR_RETURN(const auto assembly, evaluated.design_template->AssemblyAt(evaluated.q));
   if (assembly) {
-    return StreamAssembly({*assembly->assembly, assembly->q, evaluated.design, asked.rest_pose()},
-                          asked.format(), id, evaluated.design_template->head().title, writer);
+    return StreamAssembly(
+        {*assembly->assembly, assembly->q, evaluated.design, asked.rest_pose(), identity},
+        asked.format(), id, evaluated.design_template->head().title, writer);
   }
   if (!asked.rest_pose().empty()) {
     return InvalidField("rest_pose", "only assembly templates have rest poses");
   }
-  MORTISE_ASSIGN_OR_RETURN(std::string bytes, FileOf(evaluated, asked.format(), id));
+  MORTISE_ASSIGN_OR_RETURN(std::string bytes, FileOf(evaluated, asked.format(), id, identity));
   rpc::StreamBytes(std::move(bytes), {id + kind.extension, kind.media_type}, writer);
   return absl::OkStatus();
 }

@@ -164,8 +164,9 @@ absl::Status ExportAssembly(Catalog& catalog, const rpc::Call& call,
   MORTISE_ASSIGN_OR_RETURN(const parametric::TemplateBundle bundle, UsedBy(found.bundle));
   const parametric::EvaluatedDesign design =
       parametric::DesignAt(*found.parametrized, q, bundle.items, bundle.materials);
-  return StreamAssembly({*found.parametrized, q, design, asked.rest_pose()}, asked.format(),
-                        asked.name().substr(asked.name().find('/') + 1),
+  const DesignIdentity identity = IdentityOf(found.bundle.assembly(), found.bundle.items());
+  return StreamAssembly({*found.parametrized, q, design, asked.rest_pose(), identity},
+                        asked.format(), asked.name().substr(asked.name().find('/') + 1),
                         found.bundle.assembly().title(), writer);
 }
 
