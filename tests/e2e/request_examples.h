@@ -191,7 +191,7 @@ inline constexpr Example kExamples[] = {
      "labels { key: 'customer' value: 'acme' }",
      Outcome::kChanges},
     {"ParetoService/GetFront", "name: '{front}'"},
-    {"ParetoService/ListFronts", "page_size: 10"},
+    {"ParetoService/ListFronts", "page_size: 10 states: BUDGET states: CONVERGED"},
     {"ParetoService/UpdateFront",
      "request_id: 'bad-47' front { name: 'fronts/none' labels { key: 'a' value: 'b' } }",
      Outcome::kRefused},

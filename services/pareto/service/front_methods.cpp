@@ -1,11 +1,14 @@
 #include "services/pareto/service/front_methods.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/field_violations.h"
 #include "common/base/identifiers.h"
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
@@ -33,6 +36,31 @@ absl::Status CheckSubject(const std::string& subject) {
   return InvalidField("subject", "must have the form templates/{id} or evaluators/{id}");
 }
 
+// Whether a list can be of fronts in these states.
+absl::Status CheckStates(const v1::ListFrontsRequest& asked) {
+  constexpr int kStates = v1::Front::State_ARRAYSIZE - 1;  // but the unspecified one
+  if (asked.states_size() > kStates) {
+    return InvalidField("states", absl::StrCat("has ", asked.states_size(), " entries; there are ",
+                                               kStates, " states"));
+  }
+  std::vector<FieldViolation> violations;
+  for (int i = 0; i < asked.states_size(); ++i) {
+    const v1::Front::State state = asked.states(i);
+    if (v1::Front::State_IsValid(state) && state != v1::Front::STATE_UNSPECIFIED) continue;
+    violations.push_back({absl::StrCat("states[", i, "]"), "must be a state of fronts"});
+  }
+  return violations.empty() ? absl::OkStatus() : InvalidFields(violations);
+}
+
+bool Matches(const v1::ListFrontsRequest& asked, const v1::Front& front) {
+  const auto is_reason = [&](int state) {
+    return front.stop_reason() == v1::Front::State_Name(static_cast<v1::Front::State>(state));
+  };
+  return (asked.subject().empty() || front.specification().subject() == asked.subject()) &&
+         (asked.states().empty() ||
+          std::any_of(asked.states().begin(), asked.states().end(), is_reason));
+}
+
 absl::StatusOr<std::shared_ptr<const OpenFront>> Explored(const Pareto& pareto,
                                                           const std::string& name) {
   return pareto.explored->Find(name, [&] { return kFronts.Get(*pareto.store, name); });
@@ -48,12 +76,11 @@ absl::StatusOr<v1::Front> GetFront(const Pareto& pareto, const rpc::Call&,
 absl::StatusOr<v1::ListFrontsResponse> ListFronts(const Pareto& pareto, const rpc::Call&,
                                                   const v1::ListFrontsRequest& asked) {
   MORTISE_RETURN_IF_ERROR(CombineViolations(
-      CombineViolations(resources::ReadPageQuery(asked).status(), CheckSubject(asked.subject())),
+      CombineViolations(resources::ReadPageQuery(asked).status(),
+                        CombineViolations(CheckSubject(asked.subject()), CheckStates(asked))),
       resources::ResourceFilter::Of(asked).status()));
-  const auto is_of_subject = [&asked](const v1::Front& front) {
-    return asked.subject().empty() || front.specification().subject() == asked.subject();
-  };
-  MORTISE_ASSIGN_OR_RETURN(auto page, kFronts.List(*pareto.store, asked, is_of_subject, Summary));
+  const auto matches = [&asked](const v1::Front& front) { return Matches(asked, front); };
+  MORTISE_ASSIGN_OR_RETURN(auto page, kFronts.List(*pareto.store, asked, matches, Summary));
   return resources::ToResponse(std::move(page), &v1::ListFrontsResponse::mutable_fronts);
 }
 

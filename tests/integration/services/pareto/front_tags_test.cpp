@@ -104,6 +104,12 @@ TEST_F(FrontTagsTest, ListFrontsByFilterAndSubject) {
               ElementsAre(kitchen.name()));
   EXPECT_THAT(Listed([](auto& list) { list.set_subject("evaluators/mixed"); }),
               ElementsAre(mixed.name()));
+  EXPECT_THAT(Listed([](auto& list) { list.add_states(v1::Front::CANCELLED); }), IsEmpty());
+  EXPECT_THAT(Listed([](auto& list) {
+                list.add_states(v1::Front::BUDGET);
+                list.add_states(v1::Front::CONVERGED);
+              }),
+              all);
   EXPECT_THAT(Listed([](auto& list) {
                 list.set_subject("templates/zdt1");
                 list.mutable_filter()->set_external_id("100-2");
