@@ -1,9 +1,11 @@
 #include "gateway/http/http_routes.h"
 
+#include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/errors.h"
+#include "common/base/names/offered_names.h"
 #include "gateway/contract/query.h"
 #include "gateway/http/compression.h"
 #include "gateway/http/connect_handler.h"
@@ -151,12 +153,24 @@ absl::Status CheckHost(const HttpContext& context, const HttpRequest& request,
   return absl::OkStatus();
 }
 
-asio::awaitable<bool> RefuseMethod(HttpConnection& connection, const Found& found,
-                                   const Target& target, const HttpRequest& request) {
+// Offers the method of the same service that is nearest.
+std::string MethodOffered(const Contract& contract, const std::string& path) {
+  const std::string service = path.substr(0, path.rfind('/') + 1);
+  std::vector<std::string> names;
+  for (const MethodRoute& method : contract.methods()) {
+    if (method.path.starts_with(service)) names.push_back(method.path.substr(service.size()));
+  }
+  return NearestOffered(path.substr(service.size()), names);
+}
+
+asio::awaitable<bool> RefuseMethod(HttpConnection& connection, const HttpContext& context,
+                                   const Found& found, const Target& target,
+                                   const HttpRequest& request) {
   const bool nothing = found.resource == Resource::kNothing;
   std::string message = absl::StrCat("there is nothing at ", target.path);
   if (nothing && request.method() == verb::post) {
-    message = absl::StrCat("there is no method ", target.path);
+    message = absl::StrCat("there is no method ", target.path,
+                           MethodOffered(*context.contract, target.path));
   } else if (found.resource == Resource::kMethod) {
     message = "calls are made by POST";
   } else if (found.resource == Resource::kUpload) {
@@ -206,7 +220,7 @@ asio::awaitable<bool> Answer(HttpConnection& connection, const HttpContext& cont
     co_return co_await TellMethods(connection, context, found.resource, request);
   }
   if (found.resource == Resource::kNothing || !IsAllowed(found.resource, request.method())) {
-    co_return co_await RefuseMethod(connection, found, target, request);
+    co_return co_await RefuseMethod(connection, context, found, target, request);
   }
   if (found.resource == Resource::kDocument) {
     co_return co_await WriteDocument(connection, context, target.path, request);

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
@@ -18,6 +19,7 @@
 #include "absl/time/time.h"
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
+#include "common/base/names/offered_names.h"
 #include "common/base/violation_lists.h"
 #include "common/host/call_author.h"
 #include "common/host/event_service.h"
@@ -61,8 +63,10 @@ bool Has(const Names& names, std::string_view name) {
 
 absl::Status CheckStreams(const Webhooks& webhooks, const Streams& streams) {
   for (int i = 0; i < streams.size(); ++i) {
-    if (!Has(webhooks.environment.hub->streams(), streams[i])) {
-      return InvalidField(absl::StrCat("streams[", i, "]"), "there is no such stream");
+    const std::vector<std::string>& known = webhooks.environment.hub->streams();
+    if (!Has(known, streams[i])) {
+      return InvalidField(absl::StrCat("streams[", i, "]"),
+                          absl::StrCat("there is no such stream", NamesOffered(streams[i], known)));
     }
   }
   return absl::OkStatus();

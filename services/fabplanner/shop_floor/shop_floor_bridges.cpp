@@ -8,6 +8,7 @@
 #include "common/base/errors.h"
 #include "common/base/identifiers.h"
 #include "common/base/logging.h"
+#include "common/base/names/offered_names.h"
 #include "services/fabplanner/shop_floor/order_records.h"
 #include "services/fabplanner/shop_floor/plan_codec.h"
 #include "services/fabplanner/shop_floor/shop_floor.h"
@@ -298,9 +299,11 @@ absl::StatusOr<v1::HeldMachine> ShopFloor::FindAlarm(const std::string& bridge_n
   std::lock_guard lock(mutex_);
   std::optional<v1::HeldMachine> found;
   bool is_attached = false;
+  std::vector<std::string> machine_names;
   for (const auto& [name, bridge] : bridges_) {
     if (!bridge_name.empty() && name != bridge_name) continue;
     for (const v1::Machine& machine : bridge.stored.machines()) {
+      machine_names.push_back(machine.name());
       if (machine.name() != machine_name) continue;
       if (found) {
         return InvalidField("bridge", absl::StrCat("is needed: ", found->bridge(), " and ", name,
@@ -312,9 +315,13 @@ absl::StatusOr<v1::HeldMachine> ShopFloor::FindAlarm(const std::string& bridge_n
     }
   }
   if (!found) {
-    return ResourceNotFound(bridge_name.empty()
-                                ? absl::StrCat("machine ", machine_name)
-                                : absl::StrCat("machine ", machine_name, " of ", bridge_name));
+    const absl::Status missing = ResourceNotFound(
+        bridge_name.empty() ? absl::StrCat("machine ", machine_name)
+                            : absl::StrCat("machine ", machine_name, " of ", bridge_name));
+    return WithDetail(
+        absl::Status(missing.code(),
+                     absl::StrCat(missing.message(), NamesOffered(machine_name, machine_names))),
+        DetailOf(missing));
   }
   const std::string whole_name = absl::StrCat(machine_name, " of ", found->bridge());
   if (!is_attached) {

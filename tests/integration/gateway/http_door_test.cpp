@@ -168,6 +168,8 @@ TEST_F(HttpDoorTest, RefusesWhatItCannotSpeak) {
       Post("/mortise.v1.CatalogService/Nothing", "{}", {{"X-Request-Id", "request-8"}});
   ExpectError(nothing, 404, "unimplemented", "Nothing");
   EXPECT_EQ(nothing.headers.at("x-request-id"), "request-8");
+  ExpectError(Post("/mortise.v1.CatalogService/GetItm", "{}"), 404, "unimplemented",
+              "did you mean 'GetItem'?");
   EXPECT_EQ(Get(kGetItem).status, 405);
   EXPECT_EQ(Get("/nothing").status, 404);
   EXPECT_EQ(Get("/%zz").status, 400);
