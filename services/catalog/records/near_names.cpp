@@ -13,18 +13,18 @@
 namespace mortise::catalog {
 namespace {
 
-constexpr int kPage = 10'000;
+constexpr int kKeysAtOnce = 10'000;
 constexpr int kTries = 5;  // deleted ones may be nearer
 
 // The keys of all records of a kind; as far as they can be read.
 std::vector<std::string> KeysOf(store::ReadTransaction& transaction, const char* kind) {
   std::vector<std::string> keys;
-  store::ListOptions options{.limit = kPage, .without_payloads = true};
+  store::ListOptions options{.limit = kKeysAtOnce, .without_payloads = true};
   while (true) {
     const auto page = transaction.List(kind, options);
     if (!page.ok()) return keys;
     for (const store::Record& record : *page) keys.push_back(record.key);
-    if (static_cast<int>(page->size()) < kPage) return keys;
+    if (static_cast<int>(page->size()) < kKeysAtOnce) return keys;
     options.after_key = keys.back();
   }
 }
@@ -65,8 +65,9 @@ absl::Status WithNearName(store::ReadTransaction& transaction, const char* kind,
 
 void OfferNearName(store::ReadTransaction& transaction, const char* kind, const std::string& name,
                    const std::string& message, std::vector<FieldViolation>& findings) {
+  // Whoever checked it may have offered one of the few that it knows.
   const auto says_it = [&message](const FieldViolation& finding) {
-    return finding.message == message;
+    return finding.message.starts_with(message);
   };
   if (std::none_of(findings.begin(), findings.end(), says_it)) return;
   const std::optional<std::string> near = NearNameOf(transaction, kind, name);

@@ -26,7 +26,8 @@ absl::StatusOr<Found> OrNearName(store::ReadTransaction& transaction, const char
   return WithNearName(transaction, kind, name, found.status());
 }
 
-// Adds the name that may be meant to those findings that say `message` of the resource `name`.
+// Adds the name that may be meant to those findings that say `message` of the resource `name`, in
+// place of what they offer.
 void OfferNearName(store::ReadTransaction& transaction, const char* kind, const std::string& name,
                    const std::string& message, std::vector<FieldViolation>& findings);
 
