@@ -132,7 +132,9 @@ absl::StatusOr<std::vector<std::string>> Reflection::ListServices() {
 
 namespace {
 
-std::string LastWord(const std::string& name) { return name.substr(name.find_last_of("./") + 1); }
+std::string WordBehindDot(const std::string& name) {
+  return name.substr(name.find_last_of("./") + 1);
+}
 
 // Says that there is no such method: which one may be meant, or which the service has, or which
 // services there are.
@@ -140,7 +142,7 @@ absl::Status NoSuchMethod(const std::string& name, const std::vector<std::string
                           const std::vector<std::string>& methods) {
   std::string offered;
   for (const std::string& method : methods) {
-    if (NearestName(LastWord(name), {LastWord(method)})) {
+    if (NearestName(WordBehindDot(name), {WordBehindDot(method)})) {
       offered = absl::StrCat("did you mean '", method, "'? ");
       break;
     }

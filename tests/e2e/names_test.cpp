@@ -18,9 +18,9 @@ namespace mortise::e2e {
 namespace {
 
 using Json = nlohmann::json;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class NamesTest : public testing::Test {
+class NamesTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { house_ = std::make_unique<RunningHouse>(); }
   static void TearDownTestSuite() { house_.reset(); }
@@ -102,8 +102,8 @@ TEST_F(NamesTest, AFileIsTakenToTheCommandThatTakesIt) {
   EXPECT_EQ(refused["error"]["field"], mesh);
   EXPECT_THAT(refused["error"]["message"].get<std::string>(),
               HasSubstr("mortise assembly import " + mesh));
-  const Json import = Ask({"catalog", "import", mesh}, 1);
-  EXPECT_THAT(import["error"]["message"].get<std::string>(), HasSubstr("mortise search " + mesh));
+  const Json imported = Ask({"catalog", "import", mesh}, 1);
+  EXPECT_THAT(imported["error"]["message"].get<std::string>(), HasSubstr("mortise search " + mesh));
 }
 
 TEST_F(NamesTest, StatusHeedsTheGatewayOfTheEnvironment) {

@@ -209,7 +209,7 @@ TEST_F(TableTest, RefusesWrongParameters) {
   const auto field = [](const absl::Status& status) { return DetailOf(status).field; };
   EXPECT_EQ(field(table_->CompleteParameters({{"depth", 1}}).status()), "parameters[0].name");
   EXPECT_THAT(std::string(table_->CompleteParameters({{"lenght", 1}}).status().message()),
-              testing::HasSubstr("there is no parameter 'lenght'; did you mean 'length'?"));
+              ::testing::HasSubstr("there is no parameter 'lenght'; did you mean 'length'?"));
   EXPECT_EQ(field(table_->CompleteParameters({{"length", 1}, {"length", 1}}).status()),
             "parameters[1].name");
   EXPECT_EQ(field(table_->CompleteParameters({{"length", -1}}).status()), "parameters[0].value");
