@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -25,6 +26,7 @@ using parametric::EvaluatedDesign;
 using parametric::EvaluatedPart;
 
 constexpr int kMostConditions = 200;
+constexpr std::size_t kLongestName = 500;  // bytes, of a part or face
 constexpr const char* kField = "setup.boundary_conditions";
 
 // What all faces of a part are called; one of a shape may have several names.
@@ -160,6 +162,9 @@ class Reader {
       return;
     }
     if (condition.face.empty()) return Report(field + ".face", "is missing");
+    if (std::max(condition.part.size(), condition.face.size()) > kLongestName) {
+      return Report(field + ".face", absl::StrCat("is longer than ", kLongestName, " bytes"));
+    }
     const std::vector<std::string> parts = BearingParts(design_);
     if (condition.part.empty()) TakePartOfFace(parts, condition);
     if (condition.part.empty()) {
