@@ -14,7 +14,7 @@
 namespace mortise::parametric {
 namespace {
 
-// A board with a grid of tiles that hangs over its edge, which trials take apart.
+// A board with a row of tiles.
 Assembly TiledBoard() {
   Assembly board;
   board.name = "board";
@@ -57,7 +57,7 @@ TEST(SearchOutcome, OfAnotherAssemblyIsNotTaken) {
   ExpectSame(searched, anew);
 }
 
-TEST(SearchOutcome, ProgressCountsPartsAndTrials) {
+TEST(SearchOutcome, ProgressCountsParts) {
   SearchOptions watched;
   std::int64_t parts = 0;
   watched.progress = [&](const char* stage, std::int64_t done, std::int64_t total) {
