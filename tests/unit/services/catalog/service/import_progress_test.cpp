@@ -37,7 +37,8 @@ class ImportProgressTest : public ::testing::Test {
 };
 
 TEST_F(ImportProgressTest, SaysNothingOfQuickImports) {
-  ImportProgress progress(store_.get(), "assemblies/cart", "call-1", {.user = "users/ada"});
+  ImportProgress progress(store_.get(), "assemblies/cart", "call-1",
+                          {.user = "users/ada", .trace_id = ""});
   progress.Tell("reading solids", 1, 7);
   now_ += ImportProgress::kQuietTime - absl::Milliseconds(1);
   progress.Tell("looking for contacts", 7, 7);
@@ -45,7 +46,8 @@ TEST_F(ImportProgressTest, SaysNothingOfQuickImports) {
 }
 
 TEST_F(ImportProgressTest, SaysNowAndThenHowFarLongOnesAre) {
-  ImportProgress progress(store_.get(), "assemblies/cart", "call-1", {.user = "users/ada"});
+  ImportProgress progress(store_.get(), "assemblies/cart", "call-1",
+                          {.user = "users/ada", .trace_id = ""});
   now_ += ImportProgress::kQuietTime;
   for (int done = 0; done < 100; ++done) {
     progress.Tell("trying designs", done, 100);
