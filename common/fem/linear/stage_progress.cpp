@@ -12,6 +12,16 @@ void StageProgress::Expect(int stages) {
   total_ = stages;
 }
 
+void StageProgress::Add(int stages) {
+  const std::lock_guard lock(mutex_);
+  total_ += stages;
+}
+
+void StageProgress::Within(std::string work) {
+  const std::lock_guard lock(mutex_);
+  work_ = std::move(work);
+}
+
 void StageProgress::Begin(std::string stage) {
   const std::lock_guard lock(mutex_);
   stage_ = std::move(stage);
@@ -26,9 +36,9 @@ void StageProgress::Iterate(int iteration) {
 
 StageProgress::State StageProgress::state() const {
   const std::lock_guard lock(mutex_);
-  const std::string stage =
-      iteration_ > 0 ? absl::StrCat(stage_, ": iteration ", iteration_) : stage_;
-  return {stage, std::min(std::max(begun_ - 1, 0), total_), total_};
+  std::string stage = work_.empty() ? stage_ : absl::StrCat(work_, ": ", stage_);
+  if (iteration_ > 0) absl::StrAppend(&stage, ": iteration ", iteration_);
+  return {stage, std::clamp(begun_ - 1, 0, std::max(total_ - 1, 0)), total_};
 }
 
 }  // namespace mortise::simulator

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "common/base/elapsed_time.h"
 #include "common/base/errors.h"
@@ -39,6 +40,22 @@ std::vector<SolidPart> PartsOf(const DesignModel& model) {
   return parts;
 }
 
+// The stages of one more mesh: itself, temperatures, and each load case with its stresses.
+int StagesOfMesh(const DesignModel& model, const DesignAnalysis& analysis) {
+  return 1 + (model.heat ? 1 : 0) + 2 * static_cast<int>(analysis.cases.size());
+}
+
+// Tells that the mesh is refined, where it is, and how far off the last one was.
+void TellRefinement(const DesignModel& model, const DesignAnalysis& analysis, int step,
+                    const DesignAnalysisOptions& options) {
+  double error = 0;
+  for (const SolvedCase& solved : analysis.cases) error = std::max(error, solved.error->relative);
+  if (options.progress == nullptr || error <= options.wanted_error) return;
+  options.progress->Add(StagesOfMesh(model, analysis));
+  options.progress->Within(absl::StrFormat("refining, step %d, error %.2g %%", step, 100 * error));
+  options.progress->Begin("mesh");
+}
+
 // Solves on finer meshes than `straight`, which has straight sides, until the error is as wanted.
 absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignModel& model,
                     mesh::TetrahedralMesh straight, const DesignAnalysisOptions& options,
@@ -49,6 +66,7 @@ absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignMo
   while (true) {
     std::vector<ErrorEstimate> estimates;
     for (const SolvedCase& solved : analysis.cases) estimates.push_back(*solved.error);
+    TellRefinement(model, analysis, static_cast<int>(refinement.steps().size()) + 1, options);
     MORTISE_ASSIGN_OR_RETURN(auto finer, refinement.Next(straight, estimates));
     if (!finer) break;
     straight = *std::move(finer);
@@ -64,6 +82,7 @@ absl::Status Refine(const DesignSolver& solver, bool heat_wanted, const DesignMo
     analysis.heat = std::move(solved->heat);
     for (auto& [name, gradient] : solved->gradients) gradients[name] = std::move(gradient);
   }
+  if (options.progress != nullptr) options.progress->Within("");
   analysis.refinements = refinement.steps();
   analysis.shortfall = refinement.shortfall();
   return absl::OkStatus();

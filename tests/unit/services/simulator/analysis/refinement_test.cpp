@@ -6,7 +6,10 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
 
+#include "absl/strings/str_format.h"
 #include "common/base/errors.h"
 #include "tests/unit/services/simulator/analysis/test_cases.h"
 
@@ -71,6 +74,33 @@ TEST(Refinement, TakesFewerElementsThanAnEvenMesh) {
   ASSERT_TRUE(same.ok()) << same.status();
   EXPECT_GT(same->cases[0].solution.summary.elements, refined->cases[0].solution.summary.elements);
   EXPECT_GT(same->metrics[0].value, refined->metrics[1].value);
+}
+
+TEST(Refinement, TellsThatItRefinesAndIsNotAtItsEndMeanwhile) {
+  StageProgress progress;
+  DesignAnalysisOptions options;
+  options.mesh.element_size = 0.08;
+  options.wanted_error = 0.1;
+  options.progress = &progress;
+  options.elasticity.solver.kind = SolverKind::kIterative;
+  std::set<std::string> stages;
+  bool is_full = false;
+  options.elasticity.solver.progress = [&](int, double) {
+    const StageProgress::State state = progress.state();
+    stages.insert(state.stage);
+    is_full = is_full || state.done >= state.total;
+    return absl::OkStatus();
+  };
+  progress.Expect(4);  // geometry, mesh, solution, stresses
+  progress.Begin("geometry");
+  const auto refined = AnalyzeDesign(InnerCorner(), {"relative_error"}, false, options);
+  ASSERT_TRUE(refined.ok()) << refined.status();
+  ASSERT_GE(refined->refinements.size(), 2U);
+  EXPECT_FALSE(is_full);
+  EXPECT_EQ(stages.count("solution"), 1U);
+  const std::string refining = absl::StrFormat("refining, step 1, error %.2g %%: solution",
+                                               100 * refined->refinements[0].relative_error);
+  EXPECT_EQ(stages.count(refining), 1U) << refining;
 }
 
 TEST(Refinement, SaysWhyItFallsShort) {
