@@ -249,11 +249,13 @@ absl::StatusOr<TetrahedralMesh> MeshOnce(const AssemblySurface& assembly, double
                                          const MeshOptions& options) {
   tetgenio input, output;
   FillInput(assembly, RegularVolume(size), input);
-  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes.
+  // p: a surface; z: from 0; Q: quiet; A: region attributes; a: region volumes; Y: triangles of the
+  // surface stay whole.
   const double expected =
       std::max<double>(EstimateElements(assembly, size), 10.0 * assembly.triangles.cols());
-  MORTISE_RETURN_IF_ERROR(RunTetGen(absl::StrCat("p", kOnePlane, "zQAa", QualitySwitches(options)),
-                                    SecondsFor(expected), input, output));
+  const std::string switches = absl::StrCat(
+      "p", kOnePlane, "zQAa", options.keep_triangles ? "Y" : "", QualitySwitches(options));
+  MORTISE_RETURN_IF_ERROR(RunTetGen(switches, SecondsFor(expected), input, output));
   MORTISE_ASSIGN_OR_RETURN(TetrahedralMesh mesh,
                            TakeMesh(output, assembly.faces, assembly.part_names, options));
   if (LeastThickness(mesh) < kFlat) return FlatElements();

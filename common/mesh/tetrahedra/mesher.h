@@ -20,6 +20,11 @@ struct MeshOptions {
   // Smallest wanted angle between two faces of an element, rad; not guaranteed near sharp edges.
   double minimum_dihedral = 0.09;
 
+  // Divides no triangle of the surface, which else become so small that elements are not much wider
+  // than the part is thick. For surfaces whose triangles are as large as elements are to be
+  // (surface_remesh.h); not for RefineMesh.
+  bool keep_triangles = false;
+
   // 10-node elements with straight edges, else 4-node ones.
   bool quadratic = true;
 
@@ -29,6 +34,7 @@ struct MeshOptions {
 
 // Returns a size at which an assembly of boards gets a few thousand elements: a twelfth of the
 // diagonal of its bounding box, but not so small that volume alone would ask for more than 20,000.
+// Parts that are thin for their area take more all the same: element_budget.h bounds them.
 double DefaultElementSize(const AssemblySurface& assembly);
 
 // Returns how many elements of `element_size` fill the assembly's volume; a lower bound on what

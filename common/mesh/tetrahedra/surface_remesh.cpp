@@ -80,21 +80,31 @@ std::vector<Bend> BendsOf(const AssemblySurface& surface) {
   return bends;
 }
 
-// The edges that new triangles of each face should have, m; infinite for plane ones.
-absl::StatusOr<std::vector<double>> EdgeLengths(const AssemblySurface& surface, double longest,
-                                                double turn) {
-  std::vector<double> lengths;
+// Fails where edges of these lengths, m, divide those that are there into too many pieces.
+absl::Status CheckPieces(const std::vector<Bend>& bends, const std::vector<double>& lengths) {
   double pieces = 0;
-  for (const Bend& bend : BendsOf(surface)) {
-    if (bend.largest < kPlane) {
-      lengths.push_back(std::numeric_limits<double>::infinity());
-      continue;
-    }
-    lengths.push_back(std::min(longest, turn * bend.area / bend.turned));
-    pieces += bend.lengths / lengths.back();
+  for (std::size_t f = 0; f < bends.size(); ++f) pieces += bends[f].lengths / lengths[f];
+  if (pieces <= kMaxPieces) return absl::OkStatus();
+  return TooLarge("a surface whose faces are drawn anew", "120,000 edges");
+}
+
+// The edges that new triangles of each face should have, m; infinite for plane ones.
+std::vector<double> LengthsOnCurved(const std::vector<Bend>& bends, double longest, double turn) {
+  std::vector<double> lengths;
+  for (const Bend& bend : bends) {
+    lengths.push_back(bend.largest < kPlane ? std::numeric_limits<double>::infinity()
+                                            : std::min(longest, turn * bend.area / bend.turned));
   }
-  if (pieces <= kMaxPieces) return lengths;
-  return TooLarge("a surface whose curved faces are drawn anew", "120,000 edges");
+  return lengths;
+}
+
+// The same, of plane ones alone.
+std::vector<double> LengthsOnPlane(const std::vector<Bend>& bends, double length) {
+  std::vector<double> lengths;
+  for (const Bend& bend : bends) {
+    lengths.push_back(bend.largest < kPlane ? length : std::numeric_limits<double>::infinity());
+  }
+  return lengths;
 }
 
 // Halves the outlines of faces until they are short enough for the faces beside them, with all
@@ -340,11 +350,8 @@ AssemblySurface Assembled(const AssemblySurface& surface,
   return drawn;
 }
 
-}  // namespace
-
-absl::StatusOr<AssemblySurface> WithRoundTriangles(const AssemblySurface& surface, double longest,
-                                                   double turn) {
-  MORTISE_ASSIGN_OR_RETURN(const std::vector<double> lengths, EdgeLengths(surface, longest, turn));
+// Faces get triangles with edges of `lengths`, m, where these are finite.
+AssemblySurface DrawnAnew(const AssemblySurface& surface, const std::vector<double>& lengths) {
   const AssemblySurface divided = OutlineDivision(surface, lengths).Divide();
   FaceTriangles before(surface.faces.size());
   for (Eigen::Index t = 0; t < divided.triangles.cols(); ++t) {
@@ -364,6 +371,37 @@ absl::StatusOr<AssemblySurface> WithRoundTriangles(const AssemblySurface& surfac
   }
   UndoCrowded(before, now);
   return Assembled(divided, vertices, now);
+}
+
+}  // namespace
+
+absl::StatusOr<AssemblySurface> WithRoundTriangles(const AssemblySurface& surface, double longest,
+                                                   double turn) {
+  const std::vector<Bend> bends = BendsOf(surface);
+  const std::vector<double> lengths = LengthsOnCurved(bends, longest, turn);
+  MORTISE_RETURN_IF_ERROR(CheckPieces(bends, lengths));
+  return DrawnAnew(surface, lengths);
+}
+
+absl::StatusOr<AssemblySurface> WithEvenTriangles(const AssemblySurface& surface, double length) {
+  const std::vector<Bend> bends = BendsOf(surface);
+  const std::vector<double> lengths = LengthsOnPlane(bends, length);
+  MORTISE_RETURN_IF_ERROR(CheckPieces(bends, lengths));
+  return DrawnAnew(surface, lengths);
+}
+
+FaceKinds KindsOfFaces(const AssemblySurface& surface) {
+  const std::vector<Bend> bends = BendsOf(surface);
+  FaceKinds kinds;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const Bend& bend = bends[static_cast<std::size_t>(surface.triangle_face[t])];
+    if (bend.largest < kPlane) {
+      kinds.plane_area += AreaVector(surface, t).norm();
+    } else {
+      ++kinds.curved_triangles;
+    }
+  }
+  return kinds;
 }
 
 }  // namespace mortise::mesh

@@ -1,5 +1,6 @@
-// Gives curved faces of a surface triangles that a mesher of volumes can work with: the CAD kernel
-// draws a long tube with needles from end to end, over which TetGen may fail.
+// Gives faces of a surface triangles that a mesher of volumes can work with: the CAD kernel draws a
+// long tube with needles from end to end, over which TetGen may fail, and a board with two
+// triangles, which say nothing of how large elements may be.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -18,5 +19,19 @@ namespace mortise::mesh {
 // some 10,000 pieces. RESOURCE_EXHAUSTED beyond 120,000.
 absl::StatusOr<AssemblySurface> WithRoundTriangles(const AssemblySurface& surface, double longest,
                                                    double turn);
+
+// Returns the surface with new triangles on its plane faces, whose edges are about `length`, m,
+// long, and shorter where outlines are finer. Curved faces keep their triangles, divided at
+// outlines that they share with plane ones: WithCurvedElements takes `surface` as it was. The same
+// surface gives the same triangles; RESOURCE_EXHAUSTED as above.
+absl::StatusOr<AssemblySurface> WithEvenTriangles(const AssemblySurface& surface, double length);
+
+// What WithEvenTriangles draws anew of a surface, and what it keeps.
+struct FaceKinds {
+  double plane_area = 0;     // m², of plane faces
+  int curved_triangles = 0;  // those of the others
+};
+
+FaceKinds KindsOfFaces(const AssemblySurface& surface);
 
 }  // namespace mortise::mesh
