@@ -13,6 +13,7 @@
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
 #include "common/mesh/tetrahedra/curved_elements.h"
+#include "services/simulator/analysis/analysis_notes.h"
 #include "services/simulator/analysis/custom_metrics.h"
 #include "services/simulator/analysis/design_gradients.h"
 #include "services/simulator/analysis/design_solver.h"
@@ -246,6 +247,10 @@ absl::StatusOr<AnalysisPlan> PlanAnalysis(const DesignModel& model,
   return plan;
 }
 
+void AddNote(std::string note, DesignAnalysis& analysis) {
+  if (!note.empty()) analysis.notes.push_back(std::move(note));
+}
+
 // Gives the mesh with straight sides, from which refinement goes on; what is solved on is curved.
 absl::StatusOr<mesh::TetrahedralMesh> MakeMesh(const DesignModel& model,
                                                const DesignAnalysisOptions& options,
@@ -283,8 +288,7 @@ absl::Status SolveLoadCases(const DesignSolver& solver, bool heat, const DesignM
   analysis.cases = std::move(solved.cases);
   gradients.merge(solved.gradients);
   if (heat && model.reference_temperature) {
-    std::string note = NoteOnExpansion(model.analysis.materials);
-    if (!note.empty()) analysis.notes.push_back(std::move(note));
+    AddNote(NoteOnExpansion(model.analysis.materials), analysis);
   }
   return options.wanted_error > 0
              ? Refine(solver, heat, model, std::move(straight), options, analysis, gradients)
@@ -331,6 +335,18 @@ std::optional<Eigen::VectorXd> GradientOf(const std::string& name, const CustomM
   return known->second;
 }
 
+// Of what was solved, what cannot be meant.
+void NoteImplausible(const DesignModel& model, DesignAnalysis& analysis) {
+  for (std::string& note : NotesOnMaterials(model.analysis.materials)) {
+    AddNote(std::move(note), analysis);
+  }
+  double largest = 0;
+  for (const SolvedCase& solved : analysis.cases) {
+    largest = std::max(largest, solved.solution.summary.maximum_displacement);
+  }
+  if (analysis.mesh) AddNote(NoteOnDisplacement(largest, analysis.mesh->nodes), analysis);
+}
+
 // The metrics, and the gradients of those `with_gradient`, from what was solved.
 absl::Status ReadMetrics(const DesignModel& model, const std::vector<std::string>& metrics,
                          const std::vector<std::string>& with_gradient, const Gradients& gradients,
@@ -372,6 +388,7 @@ absl::StatusOr<DesignAnalysis> AnalyzeDesign(const DesignModel& model,
   MORTISE_ASSIGN_OR_RETURN(const AnalysisPlan plan, PlanAnalysis(model, metrics, fields, options));
   DesignAnalysis analysis;
   MORTISE_ASSIGN_OR_RETURN(const Gradients gradients, SolveDesign(plan, model, options, analysis));
+  NoteImplausible(model, analysis);
   MORTISE_RETURN_IF_ERROR(
       ReadMetrics(model, metrics, plan.with_gradient, gradients, options, analysis));
   analysis.seconds = SecondsSince(start);

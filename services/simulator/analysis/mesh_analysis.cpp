@@ -17,6 +17,7 @@
 #include "common/fem/problems/modal_analysis.h"
 #include "common/fem/stress/error_estimate.h"
 #include "common/mesh/files/vtu_writer.h"
+#include "services/simulator/analysis/analysis_notes.h"
 #include "services/simulator/analysis/probe_table.h"
 
 namespace mortise::simulator {
@@ -73,6 +74,7 @@ class Analyst {
     if (probes_.size() > 0) {
       MORTISE_RETURN_IF_ERROR(Keep({"probes.csv", "text/csv", probes_.csv()}));
     }
+    NoteImplausible();
     analysis_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return std::move(analysis_);
   }
@@ -233,6 +235,18 @@ class Analyst {
         std::any_of(model_.load_cases.begin(), model_.load_cases.end(),
                     [](const NamedLoadCase& load_case) { return load_case.thermal_stress; });
     std::string note = is_asked ? NoteOnExpansion(model_.materials) : "";
+    if (!note.empty()) analysis_.notes.push_back(std::move(note));
+  }
+
+  void NoteImplausible() {
+    for (std::string& note : NotesOnMaterials(model_.materials)) {
+      analysis_.notes.push_back(std::move(note));
+    }
+    double largest = 0;
+    for (const CaseOutcome& outcome : analysis_.cases) {
+      largest = std::max(largest, outcome.summary.maximum_displacement);
+    }
+    std::string note = NoteOnDisplacement(largest, model_.mesh.nodes);
     if (!note.empty()) analysis_.notes.push_back(std::move(note));
   }
 
