@@ -257,8 +257,15 @@ absl::StatusOr<mesh::TetrahedralMesh> MakeMesh(const DesignModel& model,
                                                DesignAnalysis& analysis) {
   const auto start = Clock::now();
   if (options.progress != nullptr) options.progress->Begin("mesh");
-  MORTISE_ASSIGN_OR_RETURN(mesh::TetrahedralMesh straight,
-                           mesh::MeshAssembly(model.surface, options.mesh));
+  mesh::TetrahedralMesh straight;
+  if (options.budget) {
+    MORTISE_ASSIGN_OR_RETURN(mesh::BudgetedMesh budgeted,
+                             mesh::MeshWithinBudget(model.surface, options.mesh, *options.budget));
+    AddNote(NoteOnBudget(budgeted, *options.budget), analysis);
+    straight = std::move(budgeted.mesh);
+  } else {
+    MORTISE_ASSIGN_OR_RETURN(straight, mesh::MeshAssembly(model.surface, options.mesh));
+  }
   analysis.mesh = mesh::WithCurvedElements(model.surface, straight);
   analysis.meshing_seconds = SecondsSince(start);
   return straight;

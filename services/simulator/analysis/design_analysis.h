@@ -22,6 +22,7 @@
 #include "common/fem/stress/stress_spread.h"
 #include "common/mesh/control_variables.h"
 #include "common/mesh/surface_mesh.h"
+#include "common/mesh/tetrahedra/element_budget.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "services/simulator/airflow/airflow.h"
 #include "services/simulator/analysis/metric_gradient.h"
@@ -73,6 +74,8 @@ struct DesignMotion;
 
 struct DesignAnalysisOptions {
   mesh::MeshOptions mesh;
+  // Where it is there, the mesh is coarser than `mesh` asks if that would take more elements.
+  std::optional<mesh::ElementBudget> budget = {};
   ElasticityOptions elasticity;
   StageProgress* progress = nullptr;  // told of "mesh", "heat", "solution" …, if it is there
   // Metrics that this design cannot have (a draught where it sinks) are left out, with a note.
@@ -110,7 +113,7 @@ struct SolvedCase {
 struct DesignAnalysis {
   std::vector<Metric> metrics;            // in the order asked for
   std::vector<MetricGradient> gradients;  // of those metrics that have one, where asked for
-  std::vector<std::string> notes;         // what was left out, and why
+  std::vector<std::string> notes;         // what was left out, and why; what cannot be meant
   std::optional<mesh::TetrahedralMesh> mesh;
   std::vector<SolvedCase> cases;  // those of the model, in its order
   std::optional<HeatSolution> heat;

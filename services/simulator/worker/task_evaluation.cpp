@@ -228,6 +228,15 @@ absl::Status CheckConditions(const v1::Task& task, const MetricDemands& demands,
   return demands.heat ? CheckHeated(design) : absl::OkStatus();
 }
 
+double SizeScaleOf(const v1::MeshSettings& mesh) {
+  return mesh.size_scale() == 0 ? 1 : mesh.size_scale();
+}
+
+// How many elements there may be where nobody says how large they are to be.
+mesh::ElementBudget BudgetOf(const v1::MeshSettings& mesh) {
+  return {mesh.linear() ? mesh::kLinearBudget : mesh::kQuadraticBudget, SizeScaleOf(mesh)};
+}
+
 // `context` must outlive what is returned.
 absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subject& subject,
                                                 const TaskContext& context) {
@@ -236,6 +245,7 @@ absl::StatusOr<DesignAnalysisOptions> OptionsOf(const v1::Task& task, const Subj
   options.leave_out_inapplicable = task.fields();
   options.modes = task.modes();
   options.mesh.quadratic = !task.mesh().linear();
+  if (task.mesh().element_size() == 0) options.budget = BudgetOf(task.mesh());
   options.wanted_error = task.mesh().relative_error();
   options.elasticity.threads = context.threads;
   options.elasticity.solver.kind = SolverKindOf(task.solver());
@@ -309,7 +319,7 @@ absl::Status KeepDesignFields(const v1::Task& task, const DesignAnalysis& analys
 absl::StatusOr<DesignModel> ModelOf(const v1::Task& task, const Subject& subject,
                                     const MetricDemands& demands, double& element_size) {
   const templates::Template& function = *subject.compiled->design_template;
-  const double scale = task.mesh().size_scale() == 0 ? 1 : task.mesh().size_scale();
+  const double scale = SizeScaleOf(task.mesh());
   Joining joining{demands.surface, scale * task.mesh().element_size(), task.has_design_fields()};
   MORTISE_ASSIGN_OR_RETURN(DesignModel model,
                            MakeDesignModel(function, subject.parameters, subject.design, joining));

@@ -21,6 +21,7 @@
 #include "common/fields/design_fields.h"
 #include "common/mesh/mass_properties.h"
 #include "common/mesh/surface_check.h"
+#include "common/mesh/tetrahedra/element_budget.h"
 #include "common/mesh/tetrahedra/mesher.h"
 #include "common/templates/template_codec.h"
 #include "services/simulator/analysis/design_fields.h"
@@ -53,6 +54,22 @@ TEST_P(ShippedSurfacesTest, CanBeMeshed) {
   ASSERT_TRUE(shape.ok()) << shape.status();
   EXPECT_EQ(fields::Check(*shape), absl::OkStatus());
   EXPECT_EQ(shape->triangles.cols(), model->surface.triangles.cols());
+}
+
+// Its back is 6.5 mm thick, which well-shaped elements take 156,000 for.
+TEST(ShippedSurfaces, TheBookshelfIsMeshedWithinTheBudget) {
+  const auto model = ModelOf(templates::ShippedAssembly("assemblies/bookshelf"));
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto budgeted = mesh::MeshWithinBudget(model->surface, {}, {});
+  ASSERT_TRUE(budgeted.ok()) << budgeted.status();
+  const auto made = static_cast<double>(budgeted->mesh.tetrahedra.cols());
+  EXPECT_LE(made, mesh::kQuadraticBudget);
+  EXPECT_GT(made, mesh::kQuadraticBudget / 4.0);
+  ASSERT_GT(budgeted->chosen_size, 0.0065);
+  EXPECT_FALSE(budgeted->is_beyond);
+  const double expected = mesh::EstimateWideElements(model->surface, budgeted->chosen_size);
+  EXPECT_GT(made, expected / 2);
+  EXPECT_LT(made, expected * 2);
 }
 
 std::vector<std::string> AssembliesThatShip() {
