@@ -18,6 +18,7 @@
 #include "cli/files/mesh_analysis.h"
 #include "cli/files/metric_definitions.h"
 #include "cli/files/metric_evaluation.h"
+#include "cli/files/metric_report.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -93,11 +94,30 @@ absl::Status AnalyzeMesh(const AnalyzeOptions& options, Session& session, Output
   return absl::OkStatus();
 }
 
-void PrintMetrics(const google::protobuf::RepeatedPtrField<v1::Metric>& metrics,
-                  const Output& output) {
+void PrintMetrics(const Metrics& metrics, const Output& output) {
   std::vector<std::vector<std::string>> rows;
-  for (const v1::Metric& metric : metrics) rows.push_back({metric.name(), MetricText(metric)});
+  for (const v1::Metric& metric : metrics) {
+    rows.push_back({metric.name(), MetricReport(metric, metrics)});
+  }
   output.Table({"metric", "value"}, rows);
+}
+
+// Of a whole analysis, whose metrics nobody has chosen, those that say something of the design.
+void PrintReport(const v1::Analysis& analysis, const Output& output) {
+  Metrics told;
+  for (const v1::Metric& metric : analysis.metrics()) {
+    if (!IsBeside(metric.name(), analysis.metrics())) *told.Add() = metric;
+  }
+  PrintMetrics(told, output);
+}
+
+void PrintNotes(const v1::Analysis& analysis, const Output& output) {
+  for (const std::string& note : analysis.notes()) {
+    if (IsNoteBeside(note, analysis.metrics())) continue;
+    output.Line(absl::StrCat("  note: ", note));
+  }
+  const std::string advice = AdviceOnError(analysis);
+  if (!advice.empty()) output.Line(absl::StrCat("  note: ", advice));
 }
 
 // A row for each metric and parameter, in SI units.
@@ -214,7 +234,7 @@ absl::Status Analyze(const AnalyzeOptions& options, FieldSources& sources, Sessi
                   ? analysis.name()
                   : absl::StrCat(analysis.name(), ": ", analysis.elements(), " elements, ",
                                  analysis.unknowns(), " unknowns"));
-  PrintMetrics(analysis.metrics(), output);
+  PrintReport(analysis, output);
   if (analysis.cases_size() > 1) PrintCases(analysis, output);
   PrintSolvers(analysis, output);
   PrintHeat(analysis, " K", output);
@@ -224,7 +244,7 @@ absl::Status Analyze(const AnalyzeOptions& options, FieldSources& sources, Sessi
     output.Line(absl::StrFormat("  %d elements: estimated error %.2g %%", step.elements(),
                                 100 * step.relative_error()));
   }
-  for (const std::string& note : analysis.notes()) output.Line(absl::StrCat("  note: ", note));
+  PrintNotes(analysis, output);
   if (!options.out.empty()) {
     MORTISE_RETURN_IF_ERROR(DownloadArtifacts(analysis, options.out, *stub, *client, output));
   }

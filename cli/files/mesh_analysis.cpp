@@ -9,6 +9,7 @@
 #include "cli/client/field_sources.h"
 #include "cli/client/json_input.h"
 #include "cli/client/requests.h"
+#include "cli/files/metric_report.h"
 #include "common/base/errors.h"
 #include "common/base/files.h"
 #include "common/base/identifiers.h"
@@ -152,13 +153,15 @@ void PrintMeshAnalysis(const v1::Analysis& analysis, const Output& output) {
   output.Line(absl::StrCat(analysis.name(), ": ", analysis.nodes(), " nodes, ", analysis.elements(),
                            " elements, ", analysis.unknowns(), " unknowns"));
   for (const v1::Metric& metric : analysis.metrics()) {
-    output.Line(absl::StrCat("  ", metric.name(), " ", MetricText(metric)));
+    output.Line(absl::StrCat("  ", metric.name(), " ", MetricReport(metric, analysis.metrics())));
   }
   PrintCases(analysis, output);
   PrintSolvers(analysis, output);
   PrintHeat(analysis, "", output);
   PrintModes(analysis, output);
   for (const std::string& note : analysis.notes()) output.Line("note: " + note);
+  const std::string advice = AdviceOnError(analysis);
+  if (!advice.empty()) output.Line("note: " + advice);
 }
 
 }  // namespace mortise::cli

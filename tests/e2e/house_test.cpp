@@ -113,6 +113,22 @@ TEST_F(HouseTest, MetricsAreEvaluatedAtParameters) {
   EXPECT_LT(small[3], large[3]);
 }
 
+// What people read of an analysis: an error in per cent and what helps against it, and no rounding.
+TEST_F(HouseTest, AnalysesAreToldInWords) {
+  const CommandResult told =
+      Mortise({"--house", State(), "analyze", "table", "--linear", "--relative-error", "0.5"});
+  ASSERT_EQ(told.exit_code, 0) << told.error;
+  EXPECT_THAT(told.out, ::testing::ContainsRegex("relative_error +[0-9]+ %"));
+  EXPECT_THAT(told.out, HasSubstr("note: stresses may be off by about"));
+  EXPECT_THAT(told.out, HasSubstr("--relative-error 0.05"));
+  EXPECT_THAT(told.out, ::testing::Not(::testing::ContainsRegex("e-1[0-9] mm")));
+  const Json document = Ask({"analyze", "table", "--linear", "--relative-error", "0.5"});
+  for (const Json& metric : document["metrics"]) {
+    if (metric["name"] != "relative_error") continue;
+    EXPECT_LE(metric["value"].get<double>(), 0.5);
+  }
+}
+
 // The sun on one side, air on the other: the thicker, the warmer in the sun, and the heavier.
 constexpr char kWarmBoard[] =
     "# proto-file: mortise/v1/template.proto\n"
