@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -112,6 +113,7 @@ class Reader {
     }
     Name(field, index, *condition);
     Locate(field, *condition);
+    CheckStrangers(field, message);
     CheckNumbers(field, *condition);
     uses_.push_back({condition->kind, condition->load_case});
     conditions_.push_back(*std::move(condition));
@@ -196,6 +198,29 @@ class Reader {
     }
   }
 
+  // Reports numbers that a kind has no use for: a force of what is said to be a pressure. Zeros are
+  // what EvaluateTemplate writes where there is none.
+  void CheckStrangers(const std::string& field, const v1::EvaluatedBoundaryCondition& message) {
+    using Kind = v1::BoundaryCondition;
+    const auto check = [&](const char* name, bool is_given, std::initializer_list<int> kinds) {
+      if (!is_given || std::find(kinds.begin(), kinds.end(), message.kind()) != kinds.end()) return;
+      Report(absl::StrCat(field, ".", name),
+             absl::StrCat("is nothing that ", Kind::Kind_Name(message.kind()), " has"));
+    };
+    const auto is_nonzero = [](const v1::Vector3& vector) {
+      return vector.x() != 0 || vector.y() != 0 || vector.z() != 0;
+    };
+    check("force", is_nonzero(message.force()), {Kind::FORCE});
+    check("pressure", message.pressure() != 0, {Kind::PRESSURE});
+    check("acceleration", is_nonzero(message.acceleration()), {Kind::GRAVITY});
+    check("axis_point", is_nonzero(message.axis_point()), {Kind::ROTATION});
+    check("angular_velocity", is_nonzero(message.angular_velocity()), {Kind::ROTATION});
+    check("heat_flux", message.heat_flux() != 0, {Kind::HEAT_FLUX});
+    check("temperature", message.temperature() != 0, {Kind::TEMPERATURE, Kind::CONVECTION});
+    check("coefficient", message.coefficient() != 0, {Kind::CONVECTION});
+    check("displacement", message.has_displacement(), {Kind::DISPLACEMENT});
+  }
+
   void CheckNumbers(const std::string& field, const EvaluatedBoundaryCondition& condition) {
     const std::vector<Number> numbers = NumbersOf(condition);
     const auto components = parametric::ComponentsOf(condition.kind);
@@ -230,7 +255,8 @@ absl::Status AddSetup(v1::AnalysisSetup& setup, EvaluatedDesign& design) {
   for (int i = 0; i < setup.boundary_conditions_size(); ++i) {
     reader.Read(i, setup.boundary_conditions(i));
   }
-  reader.CheckTogether(reference);
+  // A temperature of the template's own may be for conditions that this design does not have.
+  reader.CheckTogether(setup.has_reference_temperature() ? reference : std::nullopt);
   MORTISE_RETURN_IF_ERROR(reader.status());
   std::vector<EvaluatedBoundaryCondition> conditions = reader.TakeConditions();
   for (int i = 0; i < setup.boundary_conditions_size(); ++i) {

@@ -211,8 +211,10 @@ absl::StatusOr<Subject> EvaluateSubject(const v1::Task& task, const TaskContext&
                                                          task.point().parameters_size());
   MORTISE_ASSIGN_OR_RETURN(subject.design,
                            subject.compiled->design_template->Evaluate(subject.parameters));
-  v1::AnalysisSetup setup = task.setup();
-  MORTISE_RETURN_IF_ERROR(AddSetup(setup, subject.design));
+  if (task.has_setup()) {
+    v1::AnalysisSetup setup = task.setup();
+    MORTISE_RETURN_IF_ERROR(AddSetup(setup, subject.design));
+  }
   MORTISE_ASSIGN_OR_RETURN(subject.own,
                            CustomMetricsOf(*subject.compiled, task.metric_definitions()));
   return subject;

@@ -133,6 +133,25 @@ TEST(AnalysisSetup, RefusesNamesAndNumbersThatMeanNothing) {
                           IsFault("setup.reference_temperature", "greater than 0")));
 }
 
+TEST(AnalysisSetup, RefusesNumbersOfAnotherKind) {
+  EXPECT_THAT(FaultsOf("boundary_conditions { kind: PRESSURE face: 'x_max' force { z: -800 } } "
+                       "boundary_conditions { kind: FIXED face: 'x_min' displacement { x: 0 } } "
+                       "boundary_conditions { kind: FORCE face: 'x_max' force { z: -1 } "
+                       "temperature: 300 }"),
+              ElementsAre(IsFault("setup.boundary_conditions[0].force", "PRESSURE"),
+                          IsFault("setup.boundary_conditions[1].displacement", "FIXED"),
+                          IsFault("setup.boundary_conditions[2].temperature", "FORCE")));
+}
+
+// The template's temperature may be for a condition that this design does not have.
+TEST(AnalysisSetup, IsNotBlamedForTheTemplatesTemperature) {
+  Bar bar(kHeldAndPulled);
+  bar.design.reference_temperature = 293;
+  v1::AnalysisSetup setup =
+      SetupOf("boundary_conditions { kind: FORCE face: 'x_max' force { z: -100 } }");
+  EXPECT_EQ(AddSetup(setup, bar.design), absl::OkStatus());
+}
+
 TEST(AnalysisSetup, HasNoMoreThan200Conditions) {
   std::string many;
   for (int i = 0; i <= 200; ++i) many += "boundary_conditions { kind: FIXED face: 'x_min' } ";
