@@ -24,12 +24,6 @@ constexpr double kEquilateral = 0.433;     // area of a triangle, of its edge sq
 constexpr double kCoarser = 1.25;          // than a size whose mesh was beyond the budget
 constexpr int kTries = 6;
 
-// The elements that a mesh of this scale may have.
-double ElementsOf(const ElementBudget& budget) {
-  const double finer = std::min(budget.size_scale, 1.0);
-  return budget.elements / (finer * finer * finer);
-}
-
 // What of a surface tells how many elements fill it.
 class WideElements {
  public:
@@ -94,6 +88,11 @@ std::optional<BudgetedMesh> MeshWide(const AssemblySurface& assembly, MeshOption
 
 }  // namespace
 
+double ElementsOf(const ElementBudget& budget) {
+  const double finer = std::min(budget.size_scale, 1.0);
+  return budget.elements / (finer * finer * finer);
+}
+
 double EstimateWideElements(const AssemblySurface& assembly, double size) {
   return WideElements(assembly).Count(size);
 }
@@ -110,7 +109,9 @@ absl::StatusOr<BudgetedMesh> MeshWithinBudget(const AssemblySurface& assembly,
   // A mesh has more than two elements for each point, and TetGen may add a third of the limit.
   tried.element_limit = static_cast<int>(std::min<double>(1.5 * most, options.element_limit));
   absl::StatusOr<TetrahedralMesh> mesh = MeshAssembly(assembly, tried);
+  // Stopped on its way to more elements than it may make, TetGen may leave flat ones, or fail.
   const bool is_too_large = absl::IsResourceExhausted(mesh.status()) ||
+                            absl::IsInternal(mesh.status()) ||
                             (mesh.ok() && static_cast<double>(mesh->tetrahedra.cols()) > most);
   if (!is_too_large) {
     MORTISE_RETURN_IF_ERROR(mesh.status());
@@ -120,12 +121,12 @@ absl::StatusOr<BudgetedMesh> MeshWithinBudget(const AssemblySurface& assembly,
   const double size =
       budget.size_scale *
       WideElements(assembly).SizeFor(kShareAimedAt * budget.elements, budgeted.wanted_size);
-  if (std::optional<BudgetedMesh> wide = MeshWide(assembly, options, size, most)) {
+  if (std::optional<BudgetedMesh> wide = MeshWide(assembly, tried, size, most)) {
     wide->wanted_size = budgeted.wanted_size;
     return *std::move(wide);
   }
   MORTISE_ASSIGN_OR_RETURN(budgeted.mesh, MeshAssembly(assembly, options));
-  budgeted.is_beyond = true;
+  budgeted.is_beyond = static_cast<double>(budgeted.mesh.tetrahedra.cols()) > most;
   return budgeted;
 }
 

@@ -28,6 +28,9 @@ struct ElementBudget {
   double size_scale = 1;
 };
 
+// Returns the elements that a mesh of the budget's scale may have.
+double ElementsOf(const ElementBudget& budget);
+
 struct BudgetedMesh {
   TetrahedralMesh mesh;
   double wanted_size = 0;  // m, that the options ask for, or the default

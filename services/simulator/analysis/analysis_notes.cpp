@@ -97,18 +97,19 @@ std::string NoteOnDisplacement(double largest, const Eigen::Matrix3Xd& nodes) {
 std::string NoteOnBudget(const mesh::BudgetedMesh& mesh, const mesh::ElementBudget& budget) {
   if (mesh.is_beyond) {
     return absl::StrFormat(
-        "the mesh has %d elements, more than the %d that it should have where nobody asks for a "
+        "the mesh has %d elements, more than the %.0f that it should have where nobody asks for a "
         "size: no coarser one could be made",
-        mesh.mesh.tetrahedra.cols(), budget.elements);
+        mesh.mesh.tetrahedra.cols(), mesh::ElementsOf(budget));
   }
   if (mesh.chosen_size == 0) return "";
   return absl::StrFormat(
       "elements are up to %.3g mm wide, also where parts are thinner: %d of them, as well-shaped "
-      "ones would be more than the budget of %d. An element_size (--element-size %.3gmm) gives "
+      "ones would be more than the budget of %.0f. An element_size (--element-size %.3gmm) gives "
       "those, however many they are; a relative_error (--relative-error 0.1) refines where it "
       "matters%s",
-      mesh.chosen_size / kMillimetre, mesh.mesh.tetrahedra.cols(), budget.elements,
-      mesh.wanted_size / kMillimetre,
+      mesh.chosen_size / kMillimetre, mesh.mesh.tetrahedra.cols(), mesh::ElementsOf(budget),
+      // What is asked for is scaled as the default was.
+      mesh.wanted_size / budget.size_scale / kMillimetre,
       mesh.mesh.IsQuadratic() ? ""
                               : ". Linear elements in one layer hardly bend: leave out `linear` "
                                 "(--linear)");
