@@ -156,15 +156,17 @@ class TreeMaker {
     node->title = name;
     Eigen::AlignedBox3d box;
     double mass = 0;
+    bool is_known = true;
     for (const std::size_t part : parts_below_[static_cast<std::size_t>(group)]) {
       box.extend(BoundsOf(design_.parts[part]));
       mass += design_.parts[part].mass;
+      is_known = is_known && design_.parts[part].mass > 0;
       for (const std::string& drawing : plan_.parts[part].drawings) {
         // One of the whole, besides those of its parts.
         if (group == 0 && drawing == kDesignStepFile) AddNew(drawing, &node->artifacts);
       }
     }
-    node->mass = mass;
+    if (is_known) node->mass = mass;
     node->size = box.sizes();
     node->dimensions = SizeText(node->size);
     if (group == 0) {
