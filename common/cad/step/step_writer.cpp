@@ -162,9 +162,19 @@ void Identify(const StepIdentity& identity,
   if (!identity.description.empty()) product->SetDescription(KernelText(identity.description));
 }
 
+// The product that is the whole, while sub-assemblies are still called by their numbers; null if
+// there is none.
+Handle(StepBasic_Product) WholeOf(const Usages& usages) {
+  for (const auto& [product, components] : usages) {
+    if (std::string_view(product->Name()->ToCString()) == "0") return product;
+  }
+  return {};
+}
+
 // Gives the products of shapes their identities, by their names and, of those called alike, by
-// their order; and the whole its own. Sub-assemblies are still called by their numbers.
+// their order; and the whole its own.
 void IdentifyProducts(const StepAssembly& assembly, const Usages& usages,
+                      const Handle(StepBasic_Product) & whole,
                       const Handle(StepData_StepModel) & model) {
   std::map<std::string, std::vector<const StepIdentity*>> by_name;
   for (const StepProduct& product : assembly.products) {
@@ -176,7 +186,7 @@ void IdentifyProducts(const StepAssembly& assembly, const Usages& usages,
     if (formation.IsNull()) continue;
     const std::string name = formation->OfProduct()->Name()->ToCString();
     if (usages.contains(formation->OfProduct())) {
-      if (name == "0") Identify(assembly.identity, formation);
+      if (formation->OfProduct() == whole) Identify(assembly.identity, formation);
       continue;
     }
     const auto identities = by_name.find(name);
@@ -208,7 +218,7 @@ void NameOccurrences(const StepAssembly& assembly, const Usages& usages) {
     }
     const Handle(TCollection_HAsciiString) name = KernelText(NameOfGroup(assembly, group));
     product->SetName(name);
-    if (group != 0 || assembly.identity.id.empty()) product->SetId(name);
+    product->SetId(name);
   }
 }
 
@@ -254,9 +264,10 @@ absl::StatusOr<std::string> Write(const StepAssembly& assembly, StepUnit unit) {
   const Handle(StepData_StepModel) model = writer.ChangeWriter().Model();
   const Usages usages = UsagesIn(model);
   NumberOccurrences(model);
-  IdentifyProducts(assembly, usages, model);
+  const Handle(StepBasic_Product) whole = WholeOf(usages);
   NameOccurrences(assembly, usages);
   KeepNames(model);
+  IdentifyProducts(assembly, usages, whole, model);
   FillHeader(assembly, model);
   const TemporaryFile file(".step");
   if (writer.Write(file.path().c_str()) != IFSelect_RetDone) {

@@ -255,6 +255,7 @@ absl::StatusOr<std::string> ExportAssemblyStep(const PosedAssembly& posed,
     MORTISE_RETURN_IF_ERROR(products.Add(posed.design.parts[i], assembly.ShapeOf(placed[i]).get(),
                                          placed[i].stretch, group, colors[i]));
   }
+  ShareNoIds(step.products);
   return cad::WriteStep(step);
 }
 

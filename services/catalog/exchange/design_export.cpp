@@ -88,6 +88,7 @@ absl::StatusOr<std::string> ExportStep(const parametric::EvaluatedDesign& design
     product.identity = ProductIdentity(part, identity);
     assembly.products.push_back(std::move(product));
   }
+  ShareNoIds(assembly.products);
   return cad::WriteStep(assembly);
 }
 

@@ -32,4 +32,16 @@ cad::StepIdentity ProductIdentity(const parametric::EvaluatedPart& part,
   return identity;
 }
 
+void ShareNoIds(std::vector<cad::StepProduct>& products) {
+  std::map<std::string, int> uses;
+  for (const cad::StepProduct& product : products) ++uses[product.identity.id];
+  for (cad::StepProduct& product : products) {
+    cad::StepIdentity& identity = product.identity;
+    if (identity.id.empty() || uses[identity.id] == 1) continue;
+    identity.description =
+        absl::StrCat(identity.id, identity.description.empty() ? "" : ", ", identity.description);
+    identity.id.clear();
+  }
+}
+
 }  // namespace mortise::catalog

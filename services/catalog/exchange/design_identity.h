@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/cad/step/step_assembly.h"
 #include "common/design/evaluated_design.h"
@@ -50,5 +51,10 @@ DesignIdentity IdentityOf(const Resource& resource,
 // material: "items/pine-45x45, revision 2, materials/pine".
 cad::StepIdentity ProductIdentity(const parametric::EvaluatedPart& part,
                                   const DesignIdentity& design);
+
+// Takes the ids of products that have one in common, as those of an item whose pieces stand in the
+// file one by one: whoever reads it would take them for one product that is drawn differently. They
+// are called by their names, and their descriptions begin with the id.
+void ShareNoIds(std::vector<cad::StepProduct>& products);
 
 }  // namespace mortise::catalog

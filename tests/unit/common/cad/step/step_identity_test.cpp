@@ -19,6 +19,7 @@
 namespace mortise::cad {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 
 struct FoundFile {
@@ -90,6 +91,17 @@ TEST(StepIdentity, ProductsHaveTheirIdsAndRevisions) {
               ElementsAre("0 | 0 | 3 | materials/steel", "frame | frame |  | ",
                           "post | P-1 | 5 | items/post, revision 5, materials/pine",
                           "table | 100-4711/A | 3 | "));
+}
+
+TEST(StepIdentity, NamesInAnyScriptKeepTheirIds) {
+  StepAssembly assembly = FrameWithPosts();
+  assembly.name = assembly.groups[0].name = "стол";
+  assembly.products[0].name = "棚";
+  const auto step = WriteStep(assembly);
+  ASSERT_TRUE(step.ok()) << step.status();
+  EXPECT_THAT(FindIn(*step).products, Contains("стол | 100-4711/A | 3 | "));
+  EXPECT_THAT(FindIn(*step).products,
+              Contains("棚 | P-1 | 5 | items/post, revision 5, materials/pine"));
 }
 
 TEST(StepIdentity, TheHeaderTellsOfTheRevisionAndNotOfTheWriting) {

@@ -46,5 +46,19 @@ TEST(DesignIdentity, WhatIsBoughtHasThatOfItsItem) {
   EXPECT_EQ(ProductIdentity(part, TableIdentity()).description, "materials/steel");
 }
 
+TEST(DesignIdentity, ProductsHaveNoIdInCommon) {
+  std::vector<cad::StepProduct> products(4);
+  products[0].identity = {.id = "S-1", .description = "items/screw"};
+  products[1].identity = {.id = "H-2", .description = "items/hinge"};
+  products[2].identity = {.id = "S-1"};
+  ShareNoIds(products);
+  EXPECT_EQ(products[0].identity.id, "");
+  EXPECT_EQ(products[0].identity.description, "S-1, items/screw");
+  EXPECT_EQ(products[1].identity.id, "H-2");
+  EXPECT_EQ(products[1].identity.description, "items/hinge");
+  EXPECT_EQ(products[2].identity.description, "S-1");
+  EXPECT_EQ(products[3].identity.description, "");
+}
+
 }  // namespace
 }  // namespace mortise::catalog
