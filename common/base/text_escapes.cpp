@@ -2,19 +2,26 @@
 
 #include <algorithm>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "common/base/string_views.h"
 
 namespace mortise {
 namespace {
 
-// Whether a spreadsheet computes it. Signs before a number, or a sum of numbers, do no harm.
+// Whether a spreadsheet computes it. A number with its sign, and several between blanks, such as a
+// direction, stay what they are.
 bool IsFormula(std::string_view text) {
   if (text.empty()) return false;
   if (std::string_view("=@\t\r").find(text.front()) != std::string_view::npos) return true;
   if (text.front() != '+' && text.front() != '-') return false;
-  return text.find_first_not_of("0123456789.,+-/eE ") != std::string_view::npos;
+  for (const absl::string_view piece : absl::StrSplit(AbslView(text), ' ')) {
+    double ignored = 0;
+    if (!absl::SimpleAtod(piece, &ignored)) return true;
+  }
+  return false;
 }
 
 std::string_view WithoutLeadingQuotes(std::string_view text) {

@@ -26,9 +26,9 @@ TEST(TextEscapes, TerminalsGetNoControlCharacters) {
 }
 
 TEST(TextEscapes, SpreadsheetsRunNoText) {
-  for (const char* text :
-       {"=1+1", "=HYPERLINK(\"http://a.example\")", "@SUM(A1)", "+cmd|' /C calc'!A0",
-        "-2+3+cmd|' /C calc'!A0", "-shelf", "\t=1", "\r=1", "'=1", "''-shelf"}) {
+  for (const char* text : {"=1+1", "=HYPERLINK(\"http://a.example\")", "@SUM(A1)",
+                           "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0", "+49-711-123456", "+1/2",
+                           "-E5", "-shelf", "\t=1", "\r=1", "'=1", "''-shelf"}) {
     const std::string cell = SpreadsheetText(text);
     EXPECT_EQ(cell, std::string("'") + text);
     EXPECT_EQ(FromSpreadsheetText(cell), text);
