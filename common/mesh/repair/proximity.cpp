@@ -347,6 +347,9 @@ class DeepestPoint {
     if (depth > deepest_ && IsWithin(point, solid_)) deepest_ = depth;
   }
 
+  // Lets as many points more be measured.
+  void ProbeAgain() { probes_ = 0; }
+
   // 0 if nothing was deeper than `least`.
   double depth() const { return deepest_ > least_ ? deepest_ : 0; }
 
@@ -362,6 +365,8 @@ double DepthOf(const std::vector<Point>& vertices, const std::vector<Segment>& e
                const Surface& solid, double least) {
   DeepestPoint deepest(solid, least);
   for (const Point& vertex : vertices) deepest.Measure(vertex);
+  // Edges may cross what no vertex reaches, however many vertices there are.
+  deepest.ProbeAgain();
   std::vector<Triangles::const_iterator> met;
   for (const Segment& edge : edges) {
     if (!deepest.MayBeDeeper(edge.bbox())) continue;
