@@ -40,7 +40,7 @@ void FillRequestId(Message& request) {
 
 // The failure of a call, with how to wait for longer where it was not waited for long enough.
 absl::Status WithLongerWait(const absl::Status& failure, double seconds) {
-  if (!absl::IsDeadlineExceeded(failure)) return failure;
+  if (!absl::IsDeadlineExceeded(failure) || seconds == 0) return failure;
   return WithDetail(
       absl::DeadlineExceededError(absl::StrCat(
           "there was no answer within ", seconds,
