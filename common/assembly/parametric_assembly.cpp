@@ -149,10 +149,10 @@ absl::StatusOr<ParametricAssembly> ParametricAssembly::Create(
   EqualitySolver solver = SolverOf(known);
   const bool is_known =
       search.outcome != nullptr && NamesPartsOf(*search.outcome, made.assembly_.parts.size());
-  if (is_known) {
-    made.outcome_ = *search.outcome;
-    MORTISE_RETURN_IF_ERROR(made.TakeSoundFeasibleSet(loose, solver));
-  } else {
+  if (is_known) made.outcome_ = *search.outcome;
+  // What does not hold any more is searched anew.
+  if (!is_known || !made.TakeSoundFeasibleSet(loose, solver).ok()) {
+    made.outcome_ = {};
     MORTISE_RETURN_IF_ERROR(made.FindSoundFeasibleSet(is_given_up, loose, solver, search.progress));
   }
   made.solved_systems_ = solver.solved();

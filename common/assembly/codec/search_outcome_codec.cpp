@@ -61,8 +61,9 @@ std::string ToText(const SearchOutcome& outcome) {
 
 std::optional<SearchOutcome> SearchOutcomeFrom(std::string_view text) {
   const Json document = Json::parse(text, nullptr, false);
-  if (!document.is_object() || document.value("version", 0) != kSearchVersion) return std::nullopt;
+  if (!document.is_object()) return std::nullopt;
   try {
+    if (document.value("version", 0) != kSearchVersion) return std::nullopt;
     return Read(document);
   } catch (const Json::exception&) {
     return std::nullopt;

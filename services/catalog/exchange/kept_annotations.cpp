@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxNamed = 5;
 constexpr std::string_view kAnnotated = "annotations.parts[";
+constexpr std::string_view kJoint = "joints[";
 
 std::string Listed(const std::vector<std::string>& names) {
   const std::size_t shown = std::min(names.size(), kMaxNamed);
@@ -36,13 +37,13 @@ v1::PartAnnotation AnnotationOf(const v1::AssemblyPart& part) {
   return annotation;
 }
 
-// The index in "annotations.parts[3].item"; -1 of another field.
-int AnnotationAt(const std::string& field) {
-  if (!field.starts_with(kAnnotated)) return -1;
+// The index in "annotations.parts[3].item", of what begins with `list`; -1 of another field.
+int IndexIn(std::string_view list, const std::string& field) {
+  if (!field.starts_with(list)) return -1;
   int index = -1;
   const std::size_t end = field.find(']');
   if (end == std::string::npos) return -1;
-  const absl::string_view digits(field.data() + kAnnotated.size(), end - kAnnotated.size());
+  const absl::string_view digits(field.data() + list.size(), end - list.size());
   return absl::SimpleAtoi(digits, &index) ? index : -1;
 }
 
@@ -76,6 +77,12 @@ class Keeper {
     if (kept_.annotations.title().empty()) kept_.annotations.set_title(before_.title());
     if (kept_.annotations.description().empty()) {
       kept_.annotations.set_description(before_.description());
+    }
+    if (kept_.annotations.external_ids().empty()) {
+      *kept_.annotations.mutable_external_ids() = before_.external_ids();
+    }
+    if (kept_.annotations.labels().empty()) {
+      *kept_.annotations.mutable_labels() = before_.labels();
     }
   }
 
@@ -122,14 +129,17 @@ class Keeper {
   }
 
   // Of annotations that do not fit the parts any more, leaves out what is said of them but the
-  // title and role.
+  // title and role; and joints that do not fit.
   void LeaveOutMisfits() {
-    std::map<int, std::string> faults;  // by annotation
+    std::map<int, std::string> faults, of_joints;  // by annotation, by joint
     for (const FieldViolation& finding :
          MakeAssembly(drawing_, kept_.annotations, items_).findings) {
-      const int index = AnnotationAt(finding.field);
+      const int index = IndexIn(kAnnotated, finding.field);
       if (index >= 0) faults.emplace(index, finding.message);
+      const int joint = IndexIn(kJoint, finding.field);
+      if (joint >= 0) of_joints.emplace(joint, finding.message);
     }
+    LeaveOutJoints(of_joints);
     for (const auto& [index, fault] : faults) {
       v1::PartAnnotation& annotation = *kept_.annotations.mutable_parts(index);
       misfits_.push_back(fault);
@@ -137,6 +147,14 @@ class Keeper {
       annotation.clear_length_axis();
       annotation.clear_thickness_axis();
       annotation.clear_prominent_planes();
+    }
+  }
+
+  void LeaveOutJoints(const std::map<int, std::string>& faults) {
+    auto& joints = *kept_.annotations.mutable_joints();
+    for (auto fault = faults.rbegin(); fault != faults.rend(); ++fault) {
+      misfits_.push_back(absl::StrCat("'", joints[fault->first].name(), "': ", fault->second));
+      joints.DeleteSubrange(fault->first, 1);
     }
   }
 

@@ -34,7 +34,8 @@ struct KeptAnnotations {
 // its groups where those are not the drawing's, and its joints. What does not fit the drawing any
 // more is left out, and the notes say why: parts that are not there, items that are not among
 // `items` or do not fit. What was left out of the design before is not known, and is a part like
-// any other. A title and a description that are not given stay.
+// any other. A title, a description, external ids and labels that are not given stay; the tolerance
+// of the search for contacts is not known any more.
 KeptAnnotations KeepAnnotations(const v1::Assembly& before, const cad::StepAssembly& drawing,
                                 const v1::AssemblyAnnotations& asked,
                                 const std::vector<parametric::Item>& items);

@@ -14,9 +14,10 @@ namespace mortise::catalog {
 namespace {
 
 constexpr int kKeysAtOnce = 10'000;
-constexpr int kTries = 5;  // deleted ones may be nearer
+constexpr std::size_t kMostKeys = 50'000;  // that are compared, so that no name takes long
+constexpr int kTries = 5;                  // deleted ones may be nearer
 
-// The keys of all records of a kind; as far as they can be read.
+// The keys of the first records of a kind; as far as they can be read.
 std::vector<std::string> KeysOf(store::ReadTransaction& transaction, const char* kind) {
   std::vector<std::string> keys;
   store::ListOptions options{.limit = kKeysAtOnce, .without_payloads = true};
@@ -24,18 +25,17 @@ std::vector<std::string> KeysOf(store::ReadTransaction& transaction, const char*
     const auto page = transaction.List(kind, options);
     if (!page.ok()) return keys;
     for (const store::Record& record : *page) keys.push_back(record.key);
-    if (static_cast<int>(page->size()) < kKeysAtOnce) return keys;
+    if (static_cast<int>(page->size()) < kKeysAtOnce || keys.size() >= kMostKeys) return keys;
     options.after_key = keys.back();
   }
 }
 
-// The name that may be meant by one that nobody has.
+// The name that may be meant by one that nobody has, of these keys.
 std::optional<std::string> NearNameOf(store::ReadTransaction& transaction, const char* kind,
-                                      const std::string& name) {
+                                      const std::string& name, std::vector<std::string> keys) {
   const std::string prefix = absl::StrCat(kind, "/");
   if (!name.starts_with(prefix)) return std::nullopt;
   const std::string key = name.substr(prefix.size());
-  std::vector<std::string> keys = KeysOf(transaction, kind);
   for (int i = 0; i < kTries; ++i) {
     const std::optional<std::string> nearest = NearestName(key, keys);
     if (!nearest) return std::nullopt;
@@ -50,6 +50,33 @@ std::string Offer(const std::string& message, const std::string& near) {
   return absl::StrCat(message, "; did you mean '", near, "'?");
 }
 
+// Offers names of records to findings; which there are is read once, if at all.
+class Offers {
+ public:
+  Offers(store::ReadTransaction& transaction, const char* kind)
+      : transaction_(transaction), kind_(kind) {}
+
+  void Add(const std::string& name, const std::string& message,
+           std::vector<FieldViolation>& findings) {
+    // Whoever checked it may have offered one of the few that it knows.
+    const auto says_it = [&message](const FieldViolation& finding) {
+      return finding.message.starts_with(message);
+    };
+    if (std::none_of(findings.begin(), findings.end(), says_it)) return;
+    if (!keys_) keys_ = KeysOf(transaction_, kind_);
+    const std::optional<std::string> near = NearNameOf(transaction_, kind_, name, *keys_);
+    if (!near) return;
+    for (FieldViolation& finding : findings) {
+      if (says_it(finding)) finding.message = Offer(message, *near);
+    }
+  }
+
+ private:
+  store::ReadTransaction& transaction_;
+  const char* const kind_;
+  std::optional<std::vector<std::string>> keys_;
+};
+
 }  // namespace
 
 absl::Status WithNearName(store::ReadTransaction& transaction, const char* kind,
@@ -57,7 +84,8 @@ absl::Status WithNearName(store::ReadTransaction& transaction, const char* kind,
   const ErrorDetail detail = DetailOf(status);
   // A revision that is not there is one of a name that is.
   if (!absl::IsNotFound(status) || detail.field != name) return status;
-  const std::optional<std::string> near = NearNameOf(transaction, kind, name);
+  const std::optional<std::string> near =
+      NearNameOf(transaction, kind, name, KeysOf(transaction, kind));
   if (!near) return status;
   return WithDetail(absl::Status(status.code(), Offer(std::string(status.message()), *near)),
                     detail);
@@ -65,25 +93,16 @@ absl::Status WithNearName(store::ReadTransaction& transaction, const char* kind,
 
 void OfferNearName(store::ReadTransaction& transaction, const char* kind, const std::string& name,
                    const std::string& message, std::vector<FieldViolation>& findings) {
-  // Whoever checked it may have offered one of the few that it knows.
-  const auto says_it = [&message](const FieldViolation& finding) {
-    return finding.message.starts_with(message);
-  };
-  if (std::none_of(findings.begin(), findings.end(), says_it)) return;
-  const std::optional<std::string> near = NearNameOf(transaction, kind, name);
-  if (!near) return;
-  for (FieldViolation& finding : findings) {
-    if (says_it(finding)) finding.message = Offer(message, *near);
-  }
+  Offers(transaction, kind).Add(name, message, findings);
 }
 
 absl::Status WithNearItems(store::ReadTransaction& transaction, const std::set<std::string>& items,
                            const absl::Status& faults) {
   std::vector<FieldViolation> violations = AllViolationsOf(faults);
   if (violations.empty()) return faults;
+  Offers offers(transaction, kItems);
   for (const std::string& item : items) {
-    OfferNearName(transaction, kItems, item, absl::StrCat("there is no item '", item, "'"),
-                  violations);
+    offers.Add(item, absl::StrCat("there is no item '", item, "'"), violations);
   }
   return InvalidFields(violations);
 }

@@ -7,10 +7,16 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "common/assembly/trial/search_outcome.h"
 #include "common/store/store.h"
 
 namespace mortise::catalog {
+
+// How long what nobody asks for is kept: of imports that were refused, and of content that no
+// revision has any more. Searching once more costs no more than the first time did.
+inline constexpr absl::Duration kUnusedSearchLife = absl::Hours(24 * 60);
 
 // What was searched: an assembly's content, or the sub-tree below a group of it.
 struct Searched {
@@ -27,5 +33,8 @@ std::optional<parametric::SearchOutcome> FindSearchOutcome(store::Store& store,
 // Store::Transact does, so within a transaction of the same thread with TRANSACTION_NESTED.
 absl::Status KeepSearchOutcome(store::Store& store, const Searched& searched,
                                const parametric::SearchOutcome& outcome);
+
+// Removes what was not asked for within kUnusedSearchLife; returns how many.
+absl::StatusOr<int> SweepSearches(store::Store& store);
 
 }  // namespace mortise::catalog

@@ -6,6 +6,7 @@
 #include "common/host/uploaded_files.h"
 #include "common/store/store.h"
 #include "services/catalog/records/drawing_records.h"
+#include "services/catalog/records/search_records.h"
 #include "services/catalog/records/shape_sweep.h"
 
 namespace mortise::catalog {
@@ -22,6 +23,11 @@ void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem
         {{"error", shapes.status().ToString()}});
   } else if (!shapes->empty()) {
     Log(LogLevel::kInfo, "removed shapes that nothing refers to", {{"shapes", shapes->size()}});
+  }
+  const auto searches = SweepSearches(*store);
+  if (!searches.ok()) {
+    Log(LogLevel::kWarning, "what searches came to could not be removed",
+        {{"error", searches.status().ToString()}});
   }
   rpc::TidyUploads(*store, blobs, folder, Drawings());
 }

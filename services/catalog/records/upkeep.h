@@ -1,5 +1,5 @@
-// What the catalog does by itself, at its start and every hour: it removes shapes, drawings and
-// unfinished uploads that nobody wants any more.
+// What the catalog does by itself, at its start and every hour: it removes shapes, drawings,
+// unfinished uploads and outcomes of searches that nobody wants any more.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ class Store;
 
 namespace mortise::catalog {
 
-// Does it once: SweepShapes, and TidyUploads of drawings, whose blobs are in `folder`. What fails
-// is logged; the next time comes.
+// Does it once: SweepShapes, SweepSearches, and TidyUploads of drawings, whose blobs are in
+// `folder`. What fails is logged; the next time comes.
 void TidyUp(store::Store* store, store::BlobFolder* blobs, const std::filesystem::path& folder);
 
 // Does it on a thread of its own, until it is destroyed.

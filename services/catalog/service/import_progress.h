@@ -30,6 +30,7 @@ class ImportProgress {
  private:
   store::Store* const store_;
   const std::string assembly_;
+  const bool is_name_;  // of an assembly: nothing is told of what is about to be refused
   const std::string request_id_;
   const resources::Author author_;
   absl::Time next_;  // when the next event may be told

@@ -50,8 +50,10 @@ class SearchRecordsTest : public ::testing::Test {
   const v1::AssemblyBundle bundle_ = Trestle();
   const Searched searched_{bundle_.assembly().digest(), ""};
   testing::TemporaryFolder folder_;
+  absl::Time now_ = absl::FromUnixSeconds(1'700'000'000);
   std::unique_ptr<store::Store> store_ =
-      store::OpenStore({.url = absl::StrCat("sqlite:", (folder_.path() / "store.db").string())})
+      store::OpenStore({.url = absl::StrCat("sqlite:", (folder_.path() / "store.db").string()),
+                        .clock = [this] { return now_; }})
           .value();
 };
 
@@ -86,6 +88,19 @@ TEST_F(SearchRecordsTest, WhatIsFoundWithinATransactionIsKeptAfterIt) {
 TEST_F(SearchRecordsTest, WhoeverLeavesLeavesNothing) {
   ParametrizationCache cache(kCapacity, store_.get());
   EXPECT_TRUE(absl::IsCancelled(cache.Get(bundle_, [] { return true; }).status()));
+  EXPECT_FALSE(FindSearchOutcome(*store_, searched_));
+}
+
+TEST_F(SearchRecordsTest, WhatNobodyAsksForGoesInTheEnd) {
+  EXPECT_FALSE(StagesOfANewProcess().empty());
+  // Whoever asks keeps it for longer.
+  for (int month = 0; month < 4; ++month) {
+    now_ += absl::Hours(24 * 40);
+    ASSERT_TRUE(FindSearchOutcome(*store_, searched_));
+    EXPECT_EQ(SweepSearches(*store_).value_or(-1), 0);
+  }
+  now_ += absl::Hours(24 * 61);
+  EXPECT_EQ(SweepSearches(*store_).value_or(-1), 1);
   EXPECT_FALSE(FindSearchOutcome(*store_, searched_));
 }
 
