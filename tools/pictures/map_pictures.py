@@ -27,7 +27,7 @@ def built_map(*words):
     """A map for as long as it is needed."""
     made = mortise("map", "build", *words)
     print(words[0], made["stop_reason"], f"{made.get('samples', 0)} samples, "
-          f"{made.get('evaluations', 0)} evaluations")
+          f"{made.get('probes', 0)} probes")
     try:
         yield made["name"]
     finally:
