@@ -127,7 +127,8 @@ inline constexpr Example kExamples[] = {
     {"SimulatorService/AnalyzeDesign",
      "request_id: 'bad-6' template: 'templates/table' parameters { name: 'length' value: 1.5 } "
      "mesh { element_size: 0.3 linear: true } "
-     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } solver: ITERATIVE",
+     "airflow { wind { x: -10 } temperature: 300 pressure: 1e5 cells: 2000 } solver: ITERATIVE "
+     "setup { boundary_conditions { name: 'held' kind: FIXED face: 'apron_front/y_min' } }",
      Outcome::kChanges},
     {"SimulatorService/AnalyzeMesh",
      "request_id: 'bad-19' mesh_file: '{mesh}' case { title: 'Block' length_unit: 'mm' modes: 1 "

@@ -212,7 +212,7 @@ class Spoiler {
 
   void Spoil(const FieldDescriptor* field) {
     if (sort_ == Sort::kLargeNumbers) return Enlarge(field);
-    if (field->is_repeated()) SpoilByCount(field);
+    if (field->is_repeated() && field->name() != "analysis_lacks") SpoilByCount(field);
     switch (field->cpp_type()) {
       case FieldDescriptor::CPPTYPE_DOUBLE:
         return SpoilDouble(field);
