@@ -157,7 +157,7 @@ class SlurmWorkersTest : public ::testing::Test {
   static Json Call(const std::string& method, const Json& request) {
     const std::string out = Output(
         "mortise --json --gateway 127.0.0.1:7700 --authority house.pem --token-file "
-        "ada.token call " +
+        "ada.token call --seconds 300 " +
         method + " '" + request.dump() + "'");
     return Json::parse(out, nullptr, false);
   }
