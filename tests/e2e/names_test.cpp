@@ -119,7 +119,7 @@ TEST_F(NamesTest, StatusHeedsTheGatewayOfTheEnvironment) {
 }
 
 TEST_F(NamesTest, ACallThatIsNotWaitedForSaysHow) {
-  const Json late = Ask({"call", "operations.ListOperations", "{}", "--seconds", "1e-9"}, 1);
+  const Json late = Ask({"call", "operation.ListOperations", "{}", "--seconds", "1e-9"}, 1);
   EXPECT_THAT(late["error"]["message"].get<std::string>(), HasSubstr("--seconds"));
 }
 
