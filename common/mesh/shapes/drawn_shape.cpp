@@ -24,6 +24,7 @@ constexpr double kMinSize = 1e-6;      // m
 constexpr double kFurthest = 10e3;     // m, from the origin, as assemblies
 constexpr double kSamePlane = 1e-9;    // of the size: fractions in one plane
 constexpr double kAlong = 1e-6;        // of its largest section: that of a triangle along an axis
+constexpr double kOneFactor = 1e-12;   // by how much factors of one enlargement may differ
 constexpr double kProminent = 0.1;     // of the box's section: the least area of a large face
 constexpr std::size_t kMaxPlanes = 4;  // along an axis
 constexpr double kMinFilled = 1e-6;    // of its box: the volume of what is only a surface
@@ -350,11 +351,16 @@ double VolumeIn(const DrawnShape& shape, const BoxStretch& stretch) {
 
 double DeflectionIn(const DrawnShape& shape, const BoxStretch& stretch) {
   if (shape.deflection == 0) return 0;
+  const Eigen::Vector3d factors = stretch.size.array() / shape.size.array();
+  // As drawn, or as a whole larger or smaller, no triangle has to be looked at.
+  const double rounding = kOneFactor * factors.maxCoeff();
+  if (stretch.IsInProportion() && factors.maxCoeff() - factors.minCoeff() <= rounding) {
+    return shape.deflection * factors.maxCoeff();
+  }
   double grows = 0;
   for (int axis = 0; axis < 3; ++axis) {
     grows = std::max(grows, LargestFactorAcross(shape, stretch, axis));
   }
-  const Eigen::Vector3d factors = stretch.size.array() / shape.size.array();
   return shape.deflection * (grows > 0 ? grows : factors.maxCoeff());
 }
 
