@@ -132,7 +132,7 @@ def draw_press(folder):
     pictures = []
     with built_map("arbor-press", "--metric", "von_mises_integral", "--metric", "mean_von_mises", "--metric",
                    "von_mises_p99", "--metric", "max_von_mises", "--metric", "mass", "--field", "von_mises", "--shape",
-                   "surface", "--samples", "220", "--element-size", "12mm") as made:
+                   "surface", "--samples", "90", "--element-size", "12mm") as made:
         for caption, size in (("tall", {"height": 0.3, "width": 0.1}), ("short", {"height": 0.17, "width": 0.15})):
             fixed = [word for name, value in size.items() for word in ("--fix", f"{name}={value}")]
             found = mortise("map", "optimize", made, "--minimize", "von_mises_integral", *fixed)
