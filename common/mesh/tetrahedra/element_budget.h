@@ -14,7 +14,7 @@
 namespace mortise::mesh {
 
 // The elements that a mesh may have where nobody asks for a size: as many as a static analysis of a
-// load case solves in about ten seconds on one core of 2.5 GHz (docs/simulator.md, "Solvers").
+// load case solves in ten to fifteen seconds on one core of 2.5 GHz (docs/simulator.md, "Solvers").
 // Fixed numbers, so that a design has the same mesh on every machine.
 inline constexpr int kQuadraticBudget = 60'000;
 inline constexpr int kLinearBudget = 160'000;
